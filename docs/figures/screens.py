@@ -20,7 +20,9 @@ from multisrt.replay import save_replay
 
 PICTURES = Path(__file__).resolve().parents[1] / "pictures"
 TEAM: dict[str, Any] = {"robots": 4, "starts": "clustered", "radio_range_m": 15.0, "seed": 1}
-COLOURS = 128
+COLOURS = 256
+ROUNDS = 2
+"""Improvements of the palette, which keep the colours of small areas, such as those of robots."""
 
 WIDE = {"viewport": {"width": 1200, "height": 820}}
 PHONE = {
@@ -54,7 +56,7 @@ def _take(browser: Browser, page: Path, address: str, name: str, **options: Any)
     opened.goto(page.as_uri() + address)
     opened.wait_for_timeout(2000)
     picture = Image.open(io.BytesIO(opened.screenshot()))
-    few = picture.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
+    few = picture.convert("RGB").quantize(COLOURS, kmeans=ROUNDS, dither=Image.Dither.NONE)
     few.save(PICTURES / f"{name}.png", optimize=True)
     context.close()
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from multisrt.cli import candidates
+from multisrt.cli.output_options import out_folder
 from multisrt.cli.own_map import OwnMap, map_options
 from multisrt.cli.running import Running, make_runs, print_gaps, running_options
 
@@ -33,13 +34,7 @@ RUNS_FAILED = 3
 )
 @map_options
 @running_options
-@click.option(
-    "--out",
-    type=click.Path(path_type=Path),
-    metavar="DIR",
-    shell_complete=candidates.folders,
-    help="Folder for all files.  [default: reproduced/PAPER, PAPER-quick, or PAPER-on-MAP]",
-)
+@out_folder("all files", "reproduced/PAPER, PAPER-quick, or PAPER-on-MAP")
 @click.option(
     "--store",
     type=click.Path(path_type=Path),

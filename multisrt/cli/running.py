@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from multisrt.cli.output_options import quiet_option
+
 if TYPE_CHECKING:
     from multisrt.experiments.results import Results
     from multisrt.experiments.spec import ExperimentSpec
@@ -94,7 +96,7 @@ def running_options(command: Callable[..., None]) -> Callable[..., None]:
             "for each world, team and starts, up to a minute each.",
         ),
         click.option("--retry", is_flag=True, help="Repeat runs that failed without a result."),
-        click.option("--quiet", is_flag=True, help="Print errors only."),
+        quiet_option(),
     )
     decorated: Callable[..., None] = with_running
     for option in reversed(options):

@@ -37,7 +37,7 @@ from multisrt.recording import Recording
 
 CHOICES = Decision | GoalChosen | Decided
 
-TOLD = (
+EXPLANATION_CHANGES = (
     CHOICES
     | Coordinated
     | Supports
@@ -129,7 +129,7 @@ def _changes(own: Sequence[AnyEvent], robot: int) -> Iterator[float]:
     for event in own:
         if event.robot != robot:
             continue
-        if isinstance(event, TOLD):
+        if isinstance(event, EXPLANATION_CHANGES):
             yield event.time_s
         elif isinstance(event, Motion) and of_trees:
             yield event.time_s

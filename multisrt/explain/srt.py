@@ -34,6 +34,7 @@ from multisrt.explain.words import (
 )
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.recording import Recording
+from multisrt.spec.numbering import numbers_of
 
 CHOICES = {
     "draw": "a new place, drawn at random towards its local frontier",
@@ -369,6 +370,4 @@ def _short_node(name: NodeName, robot: int) -> str:
 def _require_robot(recording: Recording, robot: int) -> None:
     team = len(recording.spec.robots)
     if not 0 <= robot < team:
-        raise InvalidInputError(
-            f"there is no robot {robot}: the run has {team}, which count from 0"
-        )
+        raise InvalidInputError(f"there is no robot {robot}: {numbers_of(team)}")

@@ -103,8 +103,8 @@ DEVIATIONS = (
     "The paper gives neither team sizes nor the number of runs in its text, and times as curves "
     "only: there are no printed figures for single team sizes.",
     f"All strategies take a scan every fourth step ({SCAN_STEPS * STEP_S:g} s, "
-    f"{SCAN_STEPS * CELL_M:g} m), and choose again if it shows news. In the paper time is discrete, and robots sense and choose "
-    "at steps.",
+    f"{SCAN_STEPS * CELL_M:g} m), and choose again if it shows news. In the paper time is "
+    "discrete, and robots sense and choose at steps.",
     "An exploration ends when one of the robots has a complete map, as in the paper (section II). "
     "The claims are judged by the time until all are done as well, and both are shown.",
 )

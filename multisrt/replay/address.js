@@ -1,10 +1,15 @@
 // The address of the page: #t=12.5&run=0&robot=2&layers=truth,trees&speed=10, and &live at the
 // newest time of a run that goes on.
 
+const ADDRESS_PARTS = ["t", "run", "robot", "layers", "speed", "live"];
+const MAX_IGNORED = 6; // parts that are named
+const MAX_PART = 40; // characters of one of them
+
 class Address {
   constructor(player) {
     this.player = player;
     addEventListener("hashchange", () => this.read());
+    byId("ignored-close").addEventListener("click", () => (byId("ignored").hidden = true));
     this.read();
     player.whenSettled = () => this.write();
     this.write();
@@ -12,20 +17,46 @@ class Address {
 
   read() {
     const { player } = this, given = new URLSearchParams(location.hash.slice(1));
-    const number = (name) => (given.has(name) && given.get(name) !== "" && isFinite(given.get(name)) ? Number(given.get(name)) : null);
-    const run = number("run"), robot = number("robot"), time = number("t"), pace = number("speed");
-    if (given.has("layers")) {
-      const names = given.get("layers").split(",");
-      player.layers = new Set(LAYERS.map(([name]) => name).filter((name) => names.includes(name)));
-    }
-    if (PACES.includes(pace)) player.pace = pace;
-    byId("speed").value = player.pace;
-    if (Number.isInteger(run) && run >= 0 && run < player.runs.length) player.run = run;
-    if (Number.isInteger(robot) && robot >= 0 && robot < player.chosen.count) player.robot = robot;
+    this.ignored = [];
+    const run = this.number(given, "run", isOf(player.runs.length), `runs are 0 to ${player.runs.length - 1}`);
+    if (run !== null) player.run = run;
+    const robot = this.number(given, "robot", isOf(player.chosen.count), `robots are 0 to ${player.chosen.count - 1}`);
+    if (robot !== null) player.robot = robot;
     else if (given.has("t")) player.robot = TEAM;
+    player.pace = this.number(given, "speed", (pace) => PACES.includes(pace), `not one of ${PACES.join(", ")}`) ?? player.pace;
+    byId("speed").value = player.pace;
+    this.readLayers(given);
+    const time = this.number(given, "t", (t) => t >= 0 && t <= player.end + 1e-3, `not a time from 0 to ${player.end.toFixed(1)} s`);
     if (given.has("live")) player.time = player.end;
-    else if (time !== null) player.time = Math.max(0, Math.min(player.end, time));
+    else if (time !== null) player.time = Math.min(player.end, time);
+    for (const [name, value] of given) if (!ADDRESS_PARTS.includes(name)) this.ignored.push(`${part(name, value)} (not known)`);
+    this.tell();
     player.update();
+  }
+
+  // A number in the address; null if there is none that can be used.
+  number(given, name, isValid, otherwise) {
+    const text = given.get(name);
+    if (text === null) return null;
+    const value = Number(text);
+    if (text.trim() && isFinite(value) && isValid(value)) return value;
+    this.ignored.push(`${part(name, text)} (${otherwise})`);
+    return null;
+  }
+
+  readLayers(given) {
+    if (!given.has("layers")) return;
+    const known = LAYERS.map(([name]) => name), names = given.get("layers").split(",").filter(Boolean);
+    this.player.layers = new Set(known.filter((name) => names.includes(name)));
+    const others = names.filter((name) => !known.includes(name));
+    if (others.length) this.ignored.push(`${part("layers", others.join())} (no such layer)`);
+  }
+
+  // Say what of the address was ignored.
+  tell() {
+    const { ignored } = this, more = ignored.length > MAX_IGNORED ? `, and ${ignored.length - MAX_IGNORED} more` : "";
+    byId("ignored").hidden = !ignored.length;
+    byId("ignored-text").textContent = ignored.length ? `Ignored in the address: ${ignored.slice(0, MAX_IGNORED).join("; ")}${more}.` : "";
   }
 
   get hash() {
@@ -39,10 +70,18 @@ class Address {
   }
 
   write() {
-    if (this.player.isPlaying) return;
     const { hash } = this;
     clearTimeout(this.timer);
     // Browsers refuse more than some hundred changes in half a minute.
     this.timer = setTimeout(() => hash !== location.hash && history.replaceState(null, "", hash), 120);
   }
+}
+
+function isOf(count) {
+  return (value) => Number.isInteger(value) && value >= 0 && value < count;
+}
+
+function part(name, value) {
+  const text = value ? `${name}=${value}` : name;
+  return text.length > MAX_PART ? `${text.slice(0, MAX_PART)}\u2026` : text;
 }

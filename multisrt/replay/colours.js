@@ -31,6 +31,12 @@ class Colours {
     return this.isDark ? mixed(this.free, colour, 0.42) : area;
   }
 
+  // Light, with a dark edge, also on a dark map.
+  bodyOf(run, robot) {
+    const { colour } = run.robots[robot];
+    return { fill: mixed(colour, "#ffffff", 0.4), edge: mixed(colour, "#000000", this.isDark ? 0.65 : 0.5) };
+  }
+
   // The colour of text on another colour.
   on(colour) {
     const [r, g, b] = channels(colour);

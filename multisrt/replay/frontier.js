@@ -3,8 +3,8 @@
 // is there. Regions are taken in the order in which they came to be known, up to the time shown.
 
 const CELL_M = 4;
+const CELLS = 1e6; // bound of the rows of cells
 const MIN_PART_M = 0.02;
-const FRONTIER_SLICE_MS = 10;
 const BEGIN = 4, END = 5; // of a part: [x0, y0, x1, y1, begin, end]
 
 class Frontier {
@@ -18,13 +18,13 @@ class Frontier {
     this.ended = []; // parts, by the time of their end
   }
 
-  // Take the regions that are known by a time, as far as a time slice allows.
-  advance(time) {
-    const { nodes, t } = this.known, until = performance.now() + FRONTIER_SLICE_MS;
+  // Take the regions that are known by a time, until a moment; returns whether all are taken.
+  advance(time, until) {
+    const { nodes, t } = this.known;
     const wanted = lastBy(t, time) + 1;
-    while (this.taken < wanted && (this.taken % 8 || performance.now() < until)) {
+    while (this.taken < wanted) {
       this.add(nodes[this.taken], t[this.taken]);
-      this.taken++;
+      if (++this.taken % 8 === 0 && performance.now() > until) break;
     }
     return this.taken >= wanted;
   }
@@ -100,13 +100,13 @@ class Frontier {
   }
 
   cellsOf(node) {
-    const b = this.run.nodes.boxes.subarray(4 * node, 4 * node + 4), keys = [];
-    for (let i = Math.floor(b[0] / CELL_M); i <= Math.floor(b[2] / CELL_M); i++) {
-      for (let j = Math.floor(b[1] / CELL_M); j <= Math.floor(b[3] / CELL_M); j++) keys.push(`${i} ${j}`);
-    }
+    const b = 4 * node, { boxes } = this.run.nodes, keys = [];
+    const [left, low, right, high] = [0, 1, 2, 3].map((k) => Math.floor(boxes[b + k] / CELL_M));
+    for (let i = left; i <= right; i++) for (let j = low; j <= high; j++) keys.push(i * CELLS + j);
     return keys;
   }
 
+  // The regions that were taken and whose boxes meet that of a node.
   neighbours(node) {
     const found = new Set(), { boxes } = this.run.nodes, a = 4 * node;
     for (const key of this.cellsOf(node)) {

@@ -1,4 +1,4 @@
-// A run that goes on: the page reads itself anew at times, and stays as its reader left it.
+// A run that goes on: the page reloads itself from time to time, and stays as its reader left it.
 
 const TICK_MS = 200;
 const IDLE_MS = 600; // after the last touch of a key or the pointer
@@ -26,6 +26,7 @@ class Live {
     for (const kind of ["pointerdown", "pointerup", "pointercancel", "keydown", "wheel"]) {
       addEventListener(kind, (event) => this.touch(event), { capture: true, passive: true });
     }
+    addEventListener("pagehide", () => this.keep());
     byId("follow").addEventListener("click", () => player.seek(player.end));
     player.whenSettled = () => {
       player.isFollowing = player.time >= player.end;
@@ -44,7 +45,7 @@ class Live {
     if (event.type === "pointerup" || event.type === "pointercancel") this.isPressed = false;
   }
 
-  // Whether reading the page anew would disturb its reader.
+  // Whether reloading the page would disturb its reader.
   get isBusy() {
     const choosing = document.activeElement instanceof HTMLSelectElement ? CHOICE_MS : IDLE_MS;
     return this.player.isPlaying || document.hidden || this.isHeld || this.isPressed || byId("keys").open
@@ -55,7 +56,6 @@ class Live {
     this.tell();
     if (performance.now() - this.begun < 1000 * this.reloadS || this.isBusy) return;
     this.begun = Infinity;
-    this.keep();
     history.replaceState(null, "", this.address.hash);
     location.reload();
   }
@@ -63,8 +63,8 @@ class Live {
   tell() {
     const old = Math.round((Date.now() - this.since) / 1000);
     const news = old > Math.max(NEWS_S, 5 * this.reloadS) ? ` No news for ${old} s.` : "";
-    const text = this.said + news, told = this.element.firstChild;
-    if (told.textContent !== text) told.textContent = text;
+    const text = this.said + news, shown = this.element.firstChild;
+    if (shown.textContent !== text) shown.textContent = text;
     byId("follow").hidden = this.player.time >= this.player.end;
   }
 
@@ -93,7 +93,7 @@ class Live {
       node: player.panel.node,
       focus: focused ? focused.id : "",
       folds: [...document.querySelectorAll("details")].map((fold) => [fold.id, fold.open]),
-      views: player.views.map((view) => view.isWhole || { scale: view.scale / view.ratio, x: view.left + view.width / 2 / view.scale, y: view.bottom + view.height / 2 / view.scale }),
+      views: player.views.map(({ isWhole, camera }) => isWhole || { scale: camera.scale / camera.ratio, centre: camera.centre }),
     };
     try {
       sessionStorage.setItem(this.key, JSON.stringify(state));
@@ -128,11 +128,7 @@ class Live {
     this.player.views.forEach((view, number) => {
       const at = kept[number];
       if (!at || at === true) return;
-      view.scale = at.scale * view.ratio;
-      view.left = at.x - view.width / 2 / view.scale;
-      view.bottom = at.y - view.height / 2 / view.scale;
-      view.isWhole = false;
-      view.changed();
+      view.look(Camera.around(...at.centre, at.scale * view.camera.ratio, view.camera), false);
     });
   }
 }

@@ -1,4 +1,4 @@
-"""The replay of runs that go on: a page that is rewritten at times and reads itself anew."""
+"""The replay of runs that go on: a page that is rewritten and reloads itself."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ PAUSE_S: Final = 2.0
 """Minimum time between two pages (s)."""
 
 MAX_RELOAD_S: Final = 10.0
-"""Upper bound of the time after which a page reads itself anew (s)."""
+"""Upper bound of the time after which a page reloads itself (s)."""
 
 GUESS_S: Final = 0.3
-"""What a page is taken to cost before one has shown it (s)."""
+"""Assumed time to make a page, until one has been measured (s)."""
 
 MAX_SHARE: Final = 0.08
 """Upper bound of the share of the time that pages take, from the second on."""
@@ -161,10 +161,13 @@ class LiveReplay:
         with suppress(MultiSrtError):
             if self._so_far is not None:
                 self._pack(self._so_far())
-            at = f"{self._time_s:.1f} s of {self._titles[-1]}"
-            said = f"The run was interrupted: the replay ends at {at}."
+            run = self._titles[-1]
+            shown = f"the replay ends at {self._time_s:.1f} s of {run}."
+            if round(self._time_s, 1) == 0.0:
+                shown = f"nothing had happened yet in {run}; the replay shows its start."
+            said = f"The run was interrupted: {shown}"
             if isinstance(error, Exception):
-                said = f"The run ended with an error: {error} The replay ends at {at}."
+                said = f"The run ended with an error: {str(error).rstrip('.')}; {shown}"
             self._write(Status(said))
 
 

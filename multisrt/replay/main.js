@@ -17,7 +17,7 @@ async function main() {
 
 function frontierAt(run, robot, time) {
   const frontier = run.frontier(robot);
-  while (!frontier.advance(time));
+  frontier.advance(time, Infinity);
   return frontier.at(time).map(([x0, y0, x1, y1]) => [[x0, y0], [x1, y1]]);
 }
 

@@ -1,35 +1,33 @@
-// What is drawn anew in every frame: bodies, goals, groups, messages, links, the frontier.
+// What is drawn again in every frame: goals, groups, messages, links, bodies.
 
 const FLASH_S = 0.45; // of a message, in seconds of the clock on the wall
 const STILL_S = 0.5; // of messages while the time stands
 const MAX_LINES = 600; // of messages in a frame
-const MIN_BODY_PX = 5;
 const GROUP_PX = 16;
 const RECENT_S = 3; // since a protective stop, in which its mark is large
 
-class Marks {
+class Marks extends Brush {
   constructor(view) {
-    this.view = view;
-    this.sprites = new Map();
+    super(view);
+    this.bodies = new Bodies(view);
   }
 
   draw(time) {
     const { view } = this, { run, player } = view, { layers } = player;
-    this.c = view.top.getContext("2d");
     this.c.clearRect(0, 0, view.width, view.height);
     this.robot = player.robotOf(run);
-    this.isDone = true;
     this.time = time;
     this.poses = run.robots.map((_, robot) => run.pose(robot, time));
     this.doing = run.robots.map((_, robot) => this.activity(robot));
-    if (layers.has("frontier")) this.drawFrontier();
+    if (layers.has("frontier")) this.drawGivenUp();
     if (layers.has("paths")) this.drawAhead();
     if (layers.has("links")) this.drawLinks();
     if (layers.has("groups")) this.drawGroups();
     if (layers.has("goals")) this.drawGoals();
     if (layers.has("stops")) this.drawStops();
     if (layers.has("messages")) this.drawMessages();
-    if (layers.has("bodies")) this.poses.forEach((pose, robot) => this.drawBody(robot, pose));
+    if (player.run === view.number) this.drawChosenNode(player.panel.node);
+    if (layers.has("bodies")) this.bodies.draw(this.poses, this.doing, this.robot);
     if (layers.has("masters")) this.drawMasters();
   }
 
@@ -38,26 +36,9 @@ class Marks {
     return what === null ? "" : this.view.run.packed.activities.names[what];
   }
 
-  stroke(colour, width, dashes = []) {
-    const { c, view } = this;
-    c.strokeStyle = colour;
-    c.lineWidth = view.px(width);
-    c.setLineDash(dashes.map((length) => view.px(length)));
-    c.stroke();
-    c.setLineDash([]);
-  }
-
-  segment(x0, y0, x1, y1) {
-    const { c, view } = this;
-    c.moveTo(view.x(x0), view.y(y0));
-    c.lineTo(view.x(x1), view.y(y1));
-  }
-
-  drawFrontier() {
-    const { c, view } = this, { run, player } = view, frontier = run.frontier(this.robot);
-    if (!this.picture || this.picture.frontier !== frontier) this.picture = new FrontierPicture(view, frontier);
-    if (!this.picture.draw(this.time)) this.isDone = false;
-    c.drawImage(this.picture.canvas, 0, 0);
+  // Frontier arcs that robots gave up.
+  drawGivenUp() {
+    const { c } = this, { run, player } = this.view;
     const { begin, end, robot, arc } = run.arcs;
     c.beginPath();
     for (let row = 0; row < begin.length && begin[row] <= this.time; row++) {
@@ -81,13 +62,13 @@ class Marks {
       const { track } = run.robots[robot], [first, last] = ahead, i = first - 1;
       const share = track.t[first] > track.t[i] ? Math.min(1, (this.time - track.t[i]) / (track.t[first] - track.t[i])) : 1;
       c.beginPath();
-      traceLeg(c, view, track, i, share);
+      traceLeg(c, view.camera, track, i, share);
       this.stroke(player.colours.lineOf(run, robot), 1);
       c.beginPath();
       const [x, y] = this.poses[robot];
       c.moveTo(view.x(x), view.y(y));
       for (let k = first; k <= last; k++) {
-        if (k > first) traceLeg(c, view, track, k - 1, 1);
+        if (k > first) traceLeg(c, view.camera, track, k - 1, 1);
         else c.lineTo(view.x(track.x[k]), view.y(track.y[k]));
       }
       this.stroke(player.colours.ink, 1.4, [4, 3]);
@@ -178,10 +159,10 @@ class Marks {
   drawMasters() {
     const { c, view } = this, { run, player } = view, masters = new Set();
     for (let robot = 0; robot < run.count; robot++) {
-      const told = run.told.by[robot], decided = run.groups.by[robot];
-      const k = lastBy(told.t, this.time), d = lastBy(decided.t, this.time);
-      if (k < 0 || (d >= 0 && decided.t[d] > told.t[k]) || !this.takesPart(robot)) continue;
-      const master = run.told.master[told.rows[k]];
+      const orders = run.orders.by[robot], decided = run.groups.by[robot];
+      const k = lastBy(orders.t, this.time), d = lastBy(decided.t, this.time);
+      if (k < 0 || (d >= 0 && decided.t[d] > orders.t[k]) || !this.takesPart(robot)) continue;
+      const master = run.orders.master[orders.rows[k]];
       if (!this.isMine(robot) && !this.isMine(master)) continue;
       masters.add(master);
       c.beginPath();
@@ -196,15 +177,6 @@ class Marks {
       c.fill();
       this.label("M", x, y, player.colours.paper, 10);
     }
-  }
-
-  label(text, x, y, colour, size) {
-    const { c, view } = this;
-    c.font = `600 ${view.px(size)}px system-ui, "Liberation Sans", sans-serif`;
-    c.textAlign = "center";
-    c.textBaseline = "middle";
-    c.fillStyle = colour;
-    c.fillText(text, x, y);
   }
 
   drawGoals() {
@@ -228,6 +200,14 @@ class Marks {
       c.fill();
       this.stroke(colour, 2);
     }
+  }
+
+  drawChosenNode(node) {
+    const { view } = this, { run, player } = view, { nodes } = run;
+    if (node === null || !(run.knownBy(this.robot).since[node] <= this.time)) return;
+    const x = view.x(nodes.x[node]), y = view.y(nodes.y[node]);
+    this.ring(x, y, view.px(9), player.colours.halo, 5);
+    this.ring(x, y, view.px(9), player.colours.link, 2.5);
   }
 
   diamond(x, y, size) {
@@ -255,75 +235,5 @@ class Marks {
       c.fill();
       this.stroke(player.colours.frontier, isRecent ? 3 : 1.5);
     }
-  }
-
-  drawBody(robot, [x, y, heading]) {
-    const { c, view } = this, { run, player } = view, { body } = run.robots[robot];
-    const isDead = this.doing[robot] === "dead", isHere = this.doing[robot] !== "not started";
-    const colour = isDead ? player.colours.ink : player.colours.lineOf(run, robot);
-    const cos = Math.cos(heading), sin = Math.sin(heading);
-    let reach = 0;
-    c.beginPath();
-    for (let i = 0; i < body.x.length; i++) {
-      reach = Math.max(reach, Math.hypot(body.x[i], body.y[i]));
-      c.lineTo(view.x(x + cos * body.x[i] - sin * body.y[i]), view.y(y + sin * body.x[i] + cos * body.y[i]));
-    }
-    c.closePath();
-    const px = view.x(x), py = view.y(y), size = Math.max(reach * view.scale, view.px(MIN_BODY_PX));
-    if (reach * view.scale < view.px(MIN_BODY_PX)) c.arc(px, py, size, 0, 2 * Math.PI);
-    c.fillStyle = isHere ? colour : player.colours.paper;
-    c.fill();
-    this.stroke(player.colours.ink, 1.2, isHere ? [] : [2, 2]);
-    c.beginPath();
-    c.moveTo(px, py);
-    c.lineTo(px + 1.35 * size * cos, py - 1.35 * size * sin);
-    this.stroke(player.colours.ink, 1.6);
-    if (this.doing[robot] === "cut off") this.ring(px, py, size + view.px(5), player.colours.frontier, 2, [3, 3]);
-    if (robot === this.robot) this.ring(px, py, size + view.px(4), player.colours.link, 3, []);
-    if (isDead) this.cross(px, py, size + view.px(3));
-    if (size >= view.px(8)) this.label(String(robot), px, py, player.colours.on(colour), 10);
-    else this.tag(String(robot), px, py - size - view.px(7));
-  }
-
-  ring(x, y, radius, colour, width, dashes) {
-    this.c.beginPath();
-    this.c.arc(x, y, radius, 0, 2 * Math.PI);
-    this.stroke(colour, width, dashes);
-  }
-
-  cross(x, y, size) {
-    const { c } = this, { colours } = this.view.player;
-    c.beginPath();
-    c.moveTo(x - size, y - size);
-    c.lineTo(x + size, y + size);
-    c.moveTo(x - size, y + size);
-    c.lineTo(x + size, y - size);
-    this.stroke(colours.halo, 4);
-    this.stroke(colours.ink, 2);
-  }
-
-  // Text is slow to draw: each number is drawn once.
-  tag(text, x, y) {
-    const { c, view, sprites } = this, { colours } = view.player, key = `${text} ${colours.key} ${view.ratio}`;
-    if (!sprites.has(key)) sprites.set(key, this.sprite(text));
-    const { width, height } = sprites.get(key);
-    c.drawImage(sprites.get(key), Math.round(x - width / 2), Math.round(y - height / 2));
-  }
-
-  sprite(text) {
-    const { view } = this, { colours } = view.player;
-    const canvas = make("canvas", { width: view.px(12 + 8 * text.length), height: view.px(18) });
-    const context = canvas.getContext("2d");
-    context.translate(canvas.width / 2, canvas.height / 2);
-    context.font = `600 ${view.px(11)}px system-ui, "Liberation Sans", sans-serif`;
-    context.textAlign = "center";
-    context.textBaseline = "middle";
-    context.lineJoin = "round";
-    context.strokeStyle = colours.halo;
-    context.lineWidth = view.px(3);
-    context.strokeText(text, 0, 0);
-    context.fillStyle = colours.ink;
-    context.fillText(text, 0, 0);
-    return canvas;
   }
 }

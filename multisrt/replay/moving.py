@@ -16,7 +16,7 @@ from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.planners.motion.trajectory import leg_points
 from multisrt.recording import Recording
 from multisrt.replay.nodes import Names
-from multisrt.replay.packing import UNIT_M, UNIT_RAD, UNIT_S, Packed, Table, points, whole
+from multisrt.replay.packing import UNIT_M, UNIT_RAD, UNIT_S, Packed, points, whole
 
 Waypoint = tuple[float, float, float, float]
 
@@ -86,7 +86,7 @@ def _track(start: tuple[float, float, float], motions: Sequence[Motion]) -> Pack
     # Waypoints of all motions; each heading continues from the one before, so that a robot that
     # stands does not turn by full circles between two motions.
     rows: list[Waypoint] = [(0.0, *start)]
-    purposes, begins = Table(), []
+    begins = []
     for motion in motions:
         turn = 2.0 * math.pi * round((rows[-1][3] - motion.waypoints[0][3]) / (2.0 * math.pi))
         begins.append(len(rows))
@@ -98,8 +98,6 @@ def _track(start: tuple[float, float, float], motions: Sequence[Motion]) -> Pack
         "y": whole(way[:, 2], UNIT_M),
         "heading": whole(way[:, 3], UNIT_RAD),
         "begin": whole(begins, 1.0),
-        "purpose": [purposes.index(motion.purpose) for motion in motions],
-        "purposes": purposes.values,
     }
 
 

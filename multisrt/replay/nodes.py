@@ -14,7 +14,6 @@ from multisrt.recording import Recording
 from multisrt.replay.outlines import simplified
 from multisrt.replay.packing import (
     UNIT_M,
-    UNIT_RAD,
     UNIT_S,
     Packed,
     Table,
@@ -49,13 +48,18 @@ def packed_nodes(recording: Recording, names: Names, tolerance_m: float) -> Pack
         Its nodes.
     tolerance_m : float
         How far outlines of regions may move, in metres.
+
+    Returns
+    -------
+    dict
+        Columns with one entry for each node.
     """
     nodes = names.nodes
     stages = Table()
     parents = [-1 if n.parent is None else names.numbers.get(n.parent, -1) for n in nodes]
     tags = [np.frombuffer(node.tags.encode(), np.uint8).astype(np.int64) - 48 for node in nodes]
     outlines, kinds = simplified([recording.region(node) for node in nodes], tags, tolerance_m)
-    places = np.array([node.configuration for node in nodes]).reshape(-1, 3)
+    places = np.array([node.configuration[:2] for node in nodes]).reshape(-1, 2)
     return {
         "t": whole([node.time_s for node in nodes], UNIT_S),
         "robot": [node.robot for node in nodes],
@@ -65,7 +69,6 @@ def packed_nodes(recording: Recording, names: Names, tolerance_m: float) -> Pack
         "stages": stages.values,
         "x": whole(places[:, 0], UNIT_M),
         "y": whole(places[:, 1], UNIT_M),
-        "heading": whole(places[:, 2], UNIT_RAD),
         "region": points(outlines),
         "tags": "".join(map(_digits, kinds)),
     }

@@ -26,11 +26,18 @@ SCRIPTS: Final = (
     "colours",
     "run",
     "frontier",
+    "camera",
+    "pictures",
     "tiles",
     "view",
     "ground",
+    "brush",
+    "bodies",
     "marks",
+    "plots",
     "curves",
+    "strips",
+    "legend",
     "panel",
     "player",
     "address",
@@ -41,14 +48,14 @@ SCRIPTS: Final = (
 
 
 class Status(NamedTuple):
-    """What the page of a run says that goes on or was interrupted.
+    """What the page says of a run that goes on or was interrupted.
 
     Attributes
     ----------
     said : str
         The text.
     reload_s : float or None
-        After how many seconds the page reads itself anew; None if it does not.
+        Time after which the page reloads itself, in seconds; None if it does not.
     number : int
         Number of the page, which tells a new one from an old one.
     """
@@ -146,6 +153,11 @@ def page_html(titles: Sequence[str], data: str, status: Status | None = None) ->
         Their data, compressed.
     status : Status, optional
         That of a run that goes on or was interrupted.
+
+    Returns
+    -------
+    str
+        An HTML document.
     """
     from jinja2 import Environment, PackageLoader, StrictUndefined
 

@@ -1,6 +1,8 @@
 // The side of the page: the chosen robot and why it decided, layers, events, about.
 
 const EVENTS_SHOWN = 9;
+const MAX_KNOWERS = 12; // of a node, that are named
+const DECIDED = "What it decided"; // a heading of explanations
 
 const LAYERS = [
   ["truth", "World (truth)"],
@@ -82,31 +84,35 @@ class Panel {
   tell() {
     const { chosen, robot } = this.player, time = this.player.timeOf(chosen), why = byId("why");
     const text = robot === TEAM
-      ? "Choose a robot, here, by its number on the keyboard or by a click on the map: its own map is shown, and why it decided as it did."
+      ? "Choose a robot, here, by its number on the keyboard or by a click on the map or below it: its own map is shown, and why it decided as it did."
       : chosen.why(robot, time);
     if (why.textContent !== text) why.textContent = text;
-    this.tellNode(chosen, time);
+    this.tellNode(chosen);
   }
 
-  tellNode(run, time) {
+  tellNode(run) {
     const element = byId("node"), { nodes } = run, node = this.node;
     element.hidden = node === null;
-    if (node === null || this.toldNode === node) return;
-    this.toldNode = node;
-    const parent = nodes.parent[node] < 0 ? "a root" : `its parent is node ${nodes.serial[nodes.parent[node]]} of robot ${nodes.robot[nodes.parent[node]]}`;
-    const text = `Node ${nodes.serial[node]} of robot ${nodes.robot[node]} at (${nodes.x[node].toFixed(2)}, ${nodes.y[node].toFixed(2)}): added at ${nodes.t[node].toFixed(2)} s, found by: ${nodes.stage[node]}; ${parent}.`;
-    const known = [];
-    for (let robot = 0; robot < run.count; robot++) {
-      const since = run.knownBy(robot).since[node];
-      if (robot !== nodes.robot[node] && since < Infinity) known.push(`${robot} (${since.toFixed(1)} s)`);
-    }
-    const others = `Known to robots: ${known.slice(0, 12).join(", ") || "no other"}${known.length > 12 ? `, and ${known.length - 12} more` : ""}.`;
-    const decision = this.decisionFor(run, node);
-    const go = make("button", { type: "button", textContent: decision === null ? "Go to its time" : "Why it went there" });
-    go.addEventListener("click", () => this.player.seek(decision === null ? nodes.t[node] : decision));
+    if (node === null || this.shownNode === node) return;
+    this.shownNode = node;
+    const decision = this.decisionFor(run, node), robot = nodes.robot[node];
+    const go = make("button", { type: "button", textContent: decision === null ? "Go to its time" : `Why robot ${robot} went there` });
+    go.addEventListener("click", () => {
+      this.player.seek(decision === null ? nodes.t[node] : decision);
+      if (decision !== null) this.player.choose(this.player.run, robot);
+    });
     const close = make("button", { type: "button", textContent: "Close" });
     close.addEventListener("click", () => this.showNode(null));
-    element.replaceChildren(make("p", { textContent: text }), make("p", { textContent: others }), go, " ", close);
+    element.replaceChildren(make("p", { textContent: aboutNode(run, node) }), make("p", { textContent: whoKnows(run, node) }), go, " ", close);
+  }
+
+  // The robot that is chosen, in a few words that are read out.
+  aboutRobot() {
+    const { chosen, robot } = this.player, time = this.player.timeOf(chosen);
+    if (robot === TEAM) return "map of the team";
+    const [about, ...sections] = chosen.why(robot, time).split("\n\n");
+    const decided = sections.map((section) => section.split("\n")).find(([title]) => title === DECIDED);
+    return decided ? `${about} ${decided.slice(1).map((line) => line.trim()).join("; ")}` : about;
   }
 
   // The time of the decision after which a robot came to a node.
@@ -120,7 +126,7 @@ class Panel {
 
   showNode(node) {
     this.node = node;
-    this.toldNode = null;
+    this.shownNode = null;
     this.update();
   }
 
@@ -146,6 +152,22 @@ class Panel {
     byId("events").replaceChildren(...items);
     if (focused >= 0 && items[focused]) items[focused].firstChild.focus();
   }
+}
+
+function aboutNode(run, node) {
+  const { serial, robot, parent, x, y, t, stage } = run.nodes, from = parent[node];
+  const origin = from < 0 ? "a root" : `found by: ${stage[node]}; its parent is node ${serial[from]} of robot ${robot[from]}`;
+  return `Node ${serial[node]} of robot ${robot[node]} at (${x[node].toFixed(2)}, ${y[node].toFixed(2)}): added at ${t[node].toFixed(2)} s, ${origin}.`;
+}
+
+function whoKnows(run, node) {
+  const known = [];
+  for (let robot = 0; robot < run.count; robot++) {
+    const since = run.knownBy(robot).since[node];
+    if (robot !== run.nodes.robot[node] && since < Infinity) known.push(`${robot} (${since.toFixed(1)} s)`);
+  }
+  const more = known.length > MAX_KNOWERS ? `, and ${known.length - MAX_KNOWERS} more` : "";
+  return `Known to robots: ${known.slice(0, MAX_KNOWERS).join(", ") || "no other"}${more}.`;
 }
 
 function byId(id) {

@@ -19,6 +19,7 @@ from multisrt.drawing.account import OUTCOMES
 from multisrt.environments.environment import Environment
 from multisrt.events import NodeAdded, Sensed
 from multisrt.recording import Recording
+from multisrt.replay.event_text import packed_explanations, packed_log
 from multisrt.replay.moving import packed_bridges, packed_goals, packed_robots
 from multisrt.replay.nodes import Names, packed_learned, packed_nodes, packed_scans
 from multisrt.replay.packing import UNIT_M, UNIT_S, Packed, points, whole
@@ -29,7 +30,6 @@ from multisrt.replay.team import (
     packed_messages,
     packed_stops,
 )
-from multisrt.replay.told import packed_explanations, packed_log
 
 VERSION: Final = 1
 """Version of the data, which the page checks."""

@@ -2,6 +2,10 @@
 
 const PACES = [0.5, 1, 2, 5, 10, 20, 50, 100];
 const PANEL_MS = 150; // between two updates of texts while it plays
+const NOTE_MS = 2000; // between two notes of the time in the address while it plays
+const PLAYING_MS = 12; // of a frame, for pictures
+const STANDING_MS = 40; // the same while the time stands
+const AHEAD_MS = 8; // of an idle moment, for later times
 const DIGITS_MS = 700; // in which a second digit belongs to the first
 
 class Player {
@@ -15,7 +19,7 @@ class Player {
     this.isPlaying = false;
     this.run = 0;
     this.robot = TEAM;
-    this.layers = new Set(LAYERS.map(([name]) => name).filter((name) => name !== "groups" || this.runs.length === 1));
+    this.layers = new Set(LAYERS.map(([name]) => name));
     this.isStill = matchMedia("(prefers-reduced-motion: reduce)").matches;
     this.frames = [];
     this.whenSettled = () => {};
@@ -24,6 +28,7 @@ class Player {
     stage.append(...this.views.map((view) => view.element));
     stage.classList.toggle("several", this.runs.length > 1);
     this.lines = new Lines(this, byId("curves"), byId("strips"));
+    this.legend = new Legend(this, byId("legend"));
     this.panel = new Panel(this);
     this.listen();
     colours.whenChanged = () => this.recolour();
@@ -65,7 +70,7 @@ class Player {
     if (event.ctrlKey || event.metaKey || event.altKey || byId("keys").open) return;
     const isChoice = target instanceof HTMLSelectElement;
     if (isChoice || (key === " " && (target instanceof HTMLButtonElement || target.tagName === "SUMMARY" || target.type === "checkbox"))) return;
-    const act = this.keys()[event.shiftKey && key.startsWith("Arrow") ? `Shift${key}` : key];
+    const act = this.keys()[key.length === 1 ? key.toLowerCase() : event.shiftKey && key.startsWith("Arrow") ? `Shift${key}` : key];
     if (act) act();
     else if (/^[0-9]$/.test(key)) this.digit(key);
     else return;
@@ -200,21 +205,23 @@ class Player {
     this.say((this.runs.length > 1 ? `${run.title}: ` : "") + run.said(row));
   }
 
+  // Choose a robot of a run, or the team.
   choose(number, robot) {
+    if (number !== this.run) this.panel.showNode(null);
     this.run = number;
     this.robot = robot < this.runs[number].count ? robot : TEAM;
-    if (this.panel.node !== null) this.panel.showNode(null);
     this.update();
+    this.say(this.panel.aboutRobot());
   }
 
+  // Choose what is under the pointer: a robot, or a node, which leaves the robot as it is.
   pick(number, found) {
-    if (!found) {
-      this.choose(number, this.robot);
-      return;
-    }
-    this.choose(number, found.robot);
-    this.panel.showNode(found.node === undefined ? null : found.node);
+    const { node, robot } = found || {};
+    this.choose(number, found && node === undefined ? robot : this.robot);
+    if (!found) return;
     byId("fold-robot").open = true;
+    this.panel.showNode(node === undefined ? null : node);
+    if (node !== undefined) this.say(aboutNode(this.chosen, node));
   }
 
   toggle(name, isOn) {
@@ -231,14 +238,21 @@ class Player {
     const button = byId("theme");
     button.setAttribute("aria-pressed", String(this.colours.isDark));
     this.lines.redraw();
+    this.legend.recolour();
     this.redraw();
   }
 
   // Show what has changed, at once in texts and on the maps in the next frame.
   update() {
+    this.isChanged = true;
     this.tell();
     this.redraw();
-    if (!this.isPlaying) this.whenSettled();
+    this.note();
+  }
+
+  note() {
+    this.noted = performance.now();
+    this.whenSettled();
   }
 
   tell() {
@@ -248,11 +262,17 @@ class Player {
     this.views.forEach((view, number) => view.element.classList.toggle("chosen", this.runs.length > 1 && number === this.run));
     this.lines.follow(this.time);
     this.lines.say(this.time);
+    this.legend.update();
     this.panel.update();
     this.told = performance.now();
   }
 
   redraw() {
+    this.isWanted = true;
+    this.schedule();
+  }
+
+  schedule() {
     if (this.isWaiting) return;
     this.isWaiting = true;
     requestAnimationFrame((now) => this.frame(now));
@@ -260,21 +280,53 @@ class Player {
 
   frame(now) {
     this.isWaiting = false;
-    if (this.isPlaying) {
-      if (this.last !== null) this.time = Math.min(this.end, this.time + (this.pace * Math.min(250, now - this.last)) / 1000);
-      this.last = now;
-    }
-    let isDone = true;
-    for (const view of this.views) isDone = view.draw(this.timeOf(view.run)) && isDone;
-    if (this.isPlaying) {
-      this.lines.follow(this.time);
-      byId("clock").textContent = `${this.time.toFixed(1)} / ${this.end.toFixed(1)} s`;
-      if (now - this.told > PANEL_MS) this.tell();
-      if (this.time >= this.end) this.pause();
-    }
+    if (this.isPlaying) this.goOn(now);
+    const until = performance.now() + (this.isPlaying ? PLAYING_MS : STANDING_MS);
+    for (const view of this.views) view.prepare(this.timeOf(view.run), until);
+    this.isThere = this.views.every((view) => view.isThere);
+    this.isComplete = this.views.every((view) => view.isDone);
+    if (this.isWorthPainting) this.paint(now);
+    if (this.isThere) this.isChanged = false;
+    if (this.isPlaying || !this.isComplete) this.schedule();
+    else this.lookAhead();
+  }
+
+  // What plays stays as it is until all maps of the next time are there.
+  get isWorthPainting() {
+    if (this.isPlaying) return this.isThere || this.isChanged;
+    return this.isWanted || this.views.some((view) => view.hasNews);
+  }
+
+  // Move on by the time since the last frame, if all of that was shown.
+  goOn(now) {
+    if (this.last !== null && this.isThere) this.time = Math.min(this.end, this.time + (this.pace * Math.min(250, now - this.last)) / 1000);
+    this.last = now;
+  }
+
+  paint(now) {
+    this.isWanted = false;
+    for (const view of this.views) view.paint(this.timeOf(view.run));
     this.count(now);
-    this.isComplete = isDone;
-    if (this.isPlaying || !isDone) this.redraw();
+    if (!this.isPlaying) return;
+    this.lines.follow(this.time);
+    byId("clock").textContent = `${this.time.toFixed(1)} / ${this.end.toFixed(1)} s`;
+    if (now - this.told > PANEL_MS) this.tell();
+    if (now - this.noted > NOTE_MS) this.note();
+    if (this.time >= this.end && this.isThere) this.pause();
+  }
+
+  // Find the frontiers of later times while there is nothing else to do, so that they are there
+  // when somebody goes to these times.
+  lookAhead() {
+    if (this.isLooking || !this.layers.has("frontier")) return;
+    this.isLooking = true;
+    whenIdle(() => {
+      this.isLooking = false;
+      if (this.isPlaying || this.isWaiting) return;
+      const until = performance.now() + AHEAD_MS;
+      const isDone = this.views.map((view) => view.run.frontier(this.robotOf(view.run)).advance(view.run.end, until));
+      if (!isDone.every(Boolean)) this.lookAhead();
+    });
   }
 
   showRate(isShown) {
@@ -293,4 +345,10 @@ class Player {
   tellRate() {
     byId("rate").textContent = `${this.frames.length} frames/s`;
   }
+}
+
+// Call a function when the browser has nothing else to do.
+function whenIdle(call) {
+  if (window.requestIdleCallback) requestIdleCallback(call);
+  else setTimeout(call, 50);
 }

@@ -14,7 +14,7 @@ class Run {
     this.nodes = nodesOf(packed.nodes);
     this.unpackKnowledge(packed);
     this.unpackTeam(packed);
-    this.unpackTold(packed);
+    this.unpackTexts(packed);
     this.known = new Map();
     this.frontiers = new Map();
   }
@@ -32,23 +32,20 @@ class Run {
     this.goals = { t, x: running(goals.x, 1000), y: running(goals.y, 1000), none: new Set(goals.none), options: unpackPoints(goals.options), by: byRobot(goals.robot, t, this.count) };
     this.bridges = { t: running(bridges.t, 1000), robot: bridges.robot, line: unpackPoints(bridges.line) };
     const end = running(arcs.end, 1000);
-    this.arcs = { begin: running(arcs.begin, 1000), end: end.map((time) => (time < 0 ? Infinity : time)), robot: arcs.robot, reason: arcs.reason, reasons: arcs.reasons, arc: unpackPoints(arcs.arc) };
+    this.arcs = { begin: running(arcs.begin, 1000), end: end.map((time) => (time < 0 ? Infinity : time)), robot: arcs.robot, arc: unpackPoints(arcs.arc) };
   }
 
   unpackTeam(packed) {
     const { messages, links, groups, stops } = packed;
     this.messages = { ...messages, t: running(messages.t, 1000), sets: unpackLists(messages.sets) };
     this.links = links && { begin: running(links.begin, 1000), end: running(links.end, 1000), one: links.one, other: links.other };
-    const t = running(groups.t, 1000), told = running(groups.told.t, 1000);
+    const t = running(groups.t, 1000), { orders } = groups;
     this.groups = { gpr: groups.gpr, ger: groups.ger, sets: unpackLists(groups.sets), by: byRobot(groups.robot, t, this.count) };
-    this.told = { ...groups.told, by: byRobot(groups.told.robot, told, this.count) };
-    this.organized = { t: running(groups.organized.t, 1000), robot: groups.organized.robot };
-    this.stops = { t: running(stops.t, 1000), robot: stops.robot, by: stops.by, x: running(stops.x, 1000), y: running(stops.y, 1000) };
-    this.died = new Map(stops.died.map(([robot, time]) => [robot, time / 1000]));
-    this.joined = new Map(stops.joined.map(([robot, time]) => [robot, time / 1000]));
+    this.orders = { master: orders.master, by: byRobot(orders.robot, running(orders.t, 1000), this.count) };
+    this.stops = { t: running(stops.t, 1000), robot: stops.robot, x: running(stops.x, 1000), y: running(stops.y, 1000) };
   }
 
-  unpackTold(packed) {
+  unpackTexts(packed) {
     const { log, explanations, activities, curves } = packed;
     this.log = { ...log, t: running(log.t, 1000), text: whole(log.text) };
     this.log.by = byRobot(log.robot, this.log.t, this.count);
@@ -124,13 +121,9 @@ class Run {
     return this.frontiers.get(robot);
   }
 
-  isHere(robot, time) {
-    return !this.joined.has(robot) || time >= this.joined.get(robot);
-  }
-
   // What `multisrt why` tells of a robot at a time.
   why(robot, time) {
-    if (!this.explanations) return this.packed.unexplained || "This page has no explanations: multisrt why tells them.";
+    if (!this.explanations) return this.packed.unexplained || "This page has no explanations: use multisrt why.";
     const { lines, texts, robots } = this.explanations;
     const { t, text } = robots[robot];
     const row = lastBy(t, time + 1e-6);
@@ -138,8 +131,8 @@ class Run {
       if (!t.length) return `Robot ${robot} put no decision on record in this run.`;
       return `Robot ${robot} had not decided anything by ${time.toFixed(2)} s; its first decision is at ${t[0].toFixed(2)} s.`;
     }
-    const told = Array.from(texts[text[row]], (line) => lines[line]);
-    return `Robot ${robot} at ${time.toFixed(2)} s: ${told.join("\n")}`;
+    const said = Array.from(texts[text[row]], (line) => lines[line]);
+    return `Robot ${robot} at ${time.toFixed(2)} s: ${said.join("\n")}`;
   }
 
   activity(robot, time) {
@@ -158,7 +151,6 @@ function trackOf(packed) {
   const track = {
     t: running(packed.t, 1000), x: running(packed.x, 1000), y: running(packed.y, 1000),
     heading: running(packed.heading, 10000), begin: running(packed.begin),
-    purpose: packed.purpose, purposes: packed.purposes,
   };
   const { x, y, heading } = track, length = new Float64Array(x.length);
   for (let i = 1; i < x.length; i++) {
@@ -183,7 +175,7 @@ function nodesOf(packed) {
     count: packed.robot.length,
     t: running(packed.t, 1000), robot: packed.robot, serial: whole(packed.serial), parent: whole(packed.parent),
     stage: packed.stage.map((stage) => packed.stages[stage]),
-    x: running(packed.x, 1000), y: running(packed.y, 1000), heading: running(packed.heading, 10000),
+    x: running(packed.x, 1000), y: running(packed.y, 1000),
     region, boxes: boxesOf(region), tags: packed.tags,
   };
 }

@@ -10,12 +10,8 @@ from multisrt.events import (
     ArcClosed,
     ArcReopened,
     Blocked,
-    Collision,
     Coordinated,
     Decision,
-    Died,
-    Joined,
-    Organized,
     Sent,
 )
 from multisrt.recording import Recording
@@ -23,17 +19,14 @@ from multisrt.replay.packing import UNIT_M, UNIT_S, Packed, Table, lists, points
 
 
 def packed_messages(recording: Recording) -> Packed:
-    """Pack the messages: sender, kind, size, and the sets of robots that they reached or not."""
+    """Pack the messages: sender, and the sets of robots that they reached or not."""
     sent = recording.of(Sent)
-    kinds, sets = Table(), Table()
+    sets = Table()
     return {
         "t": whole([event.time_s for event in sent], UNIT_S),
         "robot": [event.robot for event in sent],
-        "kind": [kinds.index(event.kind) for event in sent],
-        "bytes": [event.size_bytes for event in sent],
         "reached": [sets.index(event.reached) for event in sent],
         "lost": [sets.index(event.lost) for event in sent],
-        "kinds": kinds.values,
         "sets": lists(sets.values),
     }
 
@@ -57,56 +50,43 @@ def packed_links(recording: Recording, environment: Environment) -> Packed | Non
 
 def packed_groups(recording: Recording) -> Packed:
     """Pack the groups of robots, as they stood at their decisions, and the orders of masters."""
-    sets, orders = Table(), Table()
+    sets = Table()
     decisions = recording.of(Decision)
-    told = recording.of(Coordinated)
+    orders = recording.of(Coordinated)
     return {
         "t": whole([event.time_s for event in decisions], UNIT_S),
         "robot": [event.robot for event in decisions],
         "gpr": [sets.index(event.gpr) for event in decisions],
         "ger": [sets.index(event.ger) for event in decisions],
-        "told": {
-            "t": whole([event.time_s for event in told], UNIT_S),
-            "robot": [event.robot for event in told],
-            "master": [event.master for event in told],
-            "ger": [sets.index(event.ger) for event in told],
-            "order": [orders.index(event.order) for event in told],
-            "orders": orders.values,
-        },
-        "organized": {
-            "t": whole([event.time_s for event in recording.of(Organized)], UNIT_S),
-            "robot": [event.robot for event in recording.of(Organized)],
+        "orders": {
+            "t": whole([event.time_s for event in orders], UNIT_S),
+            "robot": [event.robot for event in orders],
+            "master": [event.master for event in orders],
         },
         "sets": lists(sets.values),
     }
 
 
 def packed_stops(recording: Recording) -> Packed:
-    """Pack protective stops, deaths, collisions, and when robots were switched on late."""
+    """Pack the protective stops: who stopped, when and where."""
     stops = recording.of(Blocked)
     places = np.array([event.configuration for event in stops]).reshape(-1, 3)
     return {
         "t": whole([event.time_s for event in stops], UNIT_S),
         "robot": [event.robot for event in stops],
-        "by": [event.by for event in stops],
         "x": whole(places[:, 0], UNIT_M),
         "y": whole(places[:, 1], UNIT_M),
-        "died": [[event.robot, round(event.time_s / UNIT_S)] for event in recording.of(Died)],
-        "joined": [[event.robot, round(event.time_s / UNIT_S)] for event in recording.of(Joined)],
-        "collided": [
-            [event.robot, round(event.time_s / UNIT_S)] for event in recording.of(Collision)
-        ],
     }
 
 
 def packed_arcs(recording: Recording) -> Packed:
     """Pack the frontier arcs that robots gave up, from when until when."""
     rows: list[list[float]] = []
-    arcs, reasons, open_rows = [], Table(), {}
+    arcs, open_rows = [], {}
     for event in recording.events:
         if isinstance(event, ArcClosed):
             open_rows[event.robot, event.node, event.arc] = len(rows)
-            rows.append([event.time_s, -1.0, event.robot, reasons.index(event.reason)])
+            rows.append([event.time_s, -1.0, event.robot])
             arcs.append(np.array(event.arc).reshape(-1, 2))
         elif isinstance(event, ArcReopened):
             number = open_rows.pop((event.robot, event.node, event.arc), None)
@@ -116,8 +96,6 @@ def packed_arcs(recording: Recording) -> Packed:
         "begin": whole([row[0] for row in rows], UNIT_S),
         "end": whole([row[1] for row in rows], UNIT_S),
         "robot": [int(row[2]) for row in rows],
-        "reason": [int(row[3]) for row in rows],
-        "reasons": reasons.values,
         # Pairs of points: the segments of an arc.
         "arc": points(arcs),
     }

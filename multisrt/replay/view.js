@@ -2,6 +2,8 @@
 
 const PICK_PX = 14;
 const MARGIN = 0.04;
+const MAX_SCALE = 2000; // pixels of the screen per metre
+const MOVING_MS = 120; // after the last move of the map
 
 class View {
   constructor(run, number, player) {
@@ -12,13 +14,12 @@ class View {
     this.name = make("p", { className: "name", textContent: run.title });
     this.below = make("canvas", { className: "below" });
     this.top = make("canvas", { className: "top", tabIndex: 0 });
+    this.below.setAttribute("aria-hidden", "true");
     this.top.setAttribute("role", "img");
     this.top.setAttribute("aria-label", `Map of ${run.title}`);
     this.element.append(this.name, this.below, this.top);
-    this.version = 0;
-    this.scale = 1;
-    this.left = 0;
-    this.bottom = 0;
+    this.camera = null;
+    this.movedAt = -Infinity;
     this.ground = new Ground(this);
     this.marks = new Marks(this);
     this.pointers = new Map();
@@ -29,70 +30,63 @@ class View {
   resize() {
     const { width, height } = this.element.getBoundingClientRect();
     if (!width || !height) return;
-    const wasWhole = this.version === 0 || this.isWhole;
-    this.ratio = Math.min(2, window.devicePixelRatio || 1);
-    this.width = Math.round(width * this.ratio);
-    this.height = Math.round(height * this.ratio);
-    for (const canvas of [this.below, this.top]) Object.assign(canvas, { width: this.width, height: this.height });
-    if (wasWhole) this.showWhole();
-    else this.changed();
+    const wasWhole = !this.camera || this.isWhole, ratio = Math.min(2, window.devicePixelRatio || 1);
+    const size = { width: Math.round(width * ratio), height: Math.round(height * ratio), ratio };
+    for (const canvas of [this.below, this.top]) Object.assign(canvas, { width: size.width, height: size.height });
+    this.ground.painted = "";
+    const before = this.camera;
+    this.look(wasWhole ? Camera.whole(this.run.bounds, size) : Camera.around(...before.centre, (before.scale / before.ratio) * ratio, size), wasWhole);
   }
 
-  showWhole() {
-    if (!this.width) return;
-    const [x0, y0, x1, y1] = this.run.bounds;
-    const share = 1 - 2 * MARGIN;
-    this.scale = share * Math.min(this.width / (x1 - x0), this.height / (y1 - y0));
-    this.left = (x0 + x1) / 2 - this.width / 2 / this.scale;
-    this.bottom = (y0 + y1) / 2 - this.height / 2 / this.scale;
-    this.isWhole = true;
-    this.changed();
-  }
-
-  changed() {
-    this.version++;
+  // Show what a camera shows.
+  look(camera, isWhole) {
+    this.camera = camera;
+    this.isWhole = isWhole;
     this.player.redraw();
   }
 
+  showWhole() {
+    if (this.camera) this.look(Camera.whole(this.run.bounds, this.camera), true);
+  }
+
+  get width() {
+    return this.camera ? this.camera.width : 0;
+  }
+
+  get height() {
+    return this.camera ? this.camera.height : 0;
+  }
+
   x(x) {
-    return (x - this.left) * this.scale;
+    return this.camera.x(x);
   }
 
   y(y) {
-    return this.height - (y - this.bottom) * this.scale;
+    return this.camera.y(y);
   }
 
-  // Pixels of the screen as pixels of the canvas.
   px(size) {
-    return size * this.ratio;
-  }
-
-  // The same, and less where much of the world is on the screen.
-  thin(size) {
-    return this.px(size) * Math.min(1, Math.max(0.3, this.scale / this.ratio / 15));
+    return this.camera.px(size);
   }
 
   zoom(factor, px, py) {
-    const [x0, y0, x1, y1] = this.run.bounds;
-    const smallest = 0.3 * Math.min(this.width / (x1 - x0), this.height / (y1 - y0));
-    const scale = Math.min(this.ratio * 2000, Math.max(smallest, this.scale * factor));
-    const x = this.left + px / this.scale, y = this.bottom + (this.height - py) / this.scale;
-    this.left = x - px / scale;
-    this.bottom = y - (this.height - py) / scale;
-    this.scale = scale;
-    this.isWhole = false;
-    this.changed();
+    const smallest = 0.3 * Camera.whole(this.run.bounds, this.camera).scale;
+    const scale = Math.min(this.camera.ratio * MAX_SCALE, Math.max(smallest, this.camera.scale * factor));
+    this.movedAt = performance.now();
+    this.look(this.camera.zoomed(scale, px, py), false);
   }
 
   move(dx, dy) {
-    this.left -= dx / this.scale;
-    this.bottom += dy / this.scale;
-    this.isWhole = false;
-    this.changed();
+    this.movedAt = performance.now();
+    this.look(this.camera.moved(dx, dy), false);
+  }
+
+  get isMoving() {
+    return performance.now() - this.movedAt < MOVING_MS;
   }
 
   listen() {
-    const { top } = this, at = (event) => [event.offsetX * this.ratio, event.offsetY * this.ratio];
+    const { top } = this, at = (event) => [event.offsetX * this.camera.ratio, event.offsetY * this.camera.ratio];
     top.addEventListener("wheel", (event) => {
       event.preventDefault();
       this.zoom(Math.exp(-event.deltaY / (event.deltaMode ? 20 : 500)), ...at(event));
@@ -151,12 +145,29 @@ class View {
     return found;
   }
 
-  // Draw the run at a time; returns whether all of it could be drawn in time.
-  draw(time) {
-    if (!this.width) return true;
-    const isDone = this.ground.draw(time);
+  // Prepare the map of a time, until a moment.
+  prepare(time, until) {
+    if (this.camera) this.ground.prepare(time, until);
+  }
+
+  get isThere() {
+    return !this.camera || this.ground.isThere;
+  }
+
+  get isDone() {
+    return !this.camera || this.ground.isDone;
+  }
+
+  // Whether there is something to draw that was not there when it was drawn last.
+  get hasNews() {
+    return Boolean(this.camera) && this.ground.key !== this.ground.painted;
+  }
+
+  // Draw the map of the time for which it was prepared, as far as it is there.
+  paint(time) {
+    if (!this.camera) return;
+    this.ground.paint();
     this.marks.draw(time);
-    return isDone && this.marks.isDone;
   }
 }
 

@@ -74,14 +74,14 @@ def test_it_follows_the_run_to_its_end_and_keeps_what_is_chosen(page):
         shown.page.keyboard.press("1")
         shown.page.locator("#fold-events summary").click()
         shown.value("replay.player.views[0].zoom(2, 300, 200)")
-        scale = shown.value("replay.player.views[0].scale")
+        scale = shown.value("replay.player.views[0].camera.scale")
     go_on(15.0)
     with shown.held("replay.player.end > 14 && !replay.player.views[0].isWhole"):
         assert shown.value("replay.player.time") == shown.value("replay.player.end") > first
         assert not shown.value("replay.player.layers.has('seen')")
         assert shown.value("replay.player.robot") == 1
         assert not shown.value("document.getElementById('fold-events').open")
-        assert shown.value("replay.player.views[0].scale") == pytest.approx(scale)
+        assert shown.value("replay.player.views[0].camera.scale") == pytest.approx(scale)
         assert "The run goes on: 17" in shown.text("#live")
         assert "live" in shown.value("replay.address.hash")
     replay.add(stepper.finish().recording)
@@ -90,7 +90,7 @@ def test_it_follows_the_run_to_its_end_and_keeps_what_is_chosen(page):
     shown.until("!document.getElementById('live') && !replay.player.views[0].isWhole")
     assert shown.value("replay.player.time") == shown.value("replay.player.end")
     assert not shown.value("replay.player.layers.has('seen')")
-    assert shown.value("replay.player.views[0].scale") == pytest.approx(scale)
+    assert shown.value("replay.player.views[0].camera.scale") == pytest.approx(scale)
     assert "live" not in shown.value("replay.address.hash")
 
 
@@ -106,6 +106,22 @@ def test_a_reader_who_looks_back_is_not_moved(page):
         assert shown.value("replay.player.time") == shown.value("replay.player.end")
 
 
+def test_a_reader_who_reads_the_page_anew_while_it_plays(page):
+    shown, *_ = page
+    with shown.held():
+        shown.page.keyboard.press("Home")
+        shown.page.keyboard.press("1")
+        shown.page.keyboard.press(" ")
+        shown.page.uncheck("#layers input[name=seen]")
+        shown.value("replay.player.views[0].zoom(2, 300, 200)")
+        scale = shown.value("replay.player.views[0].camera.scale")
+        shown.until("location.hash.includes('robot=1&layers=truth,regions')")
+        shown.page.reload()
+    with shown.held("replay.player.robot === 1 && !replay.player.views[0].isWhole"):
+        assert not shown.value("replay.player.layers.has('seen')")
+        assert shown.value("replay.player.views[0].camera.scale") == pytest.approx(scale)
+
+
 def test_an_interrupted_run_says_so_and_plays(page):
     shown, _, replay, _ = page
     with pytest.raises(KeyboardInterrupt), replay:
@@ -114,3 +130,18 @@ def test_an_interrupted_run_says_so_and_plays(page):
     assert "The run was interrupted: the replay ends at" in shown.text("#live")
     shown.page.click("#play")
     shown.until("replay.player.isPlaying && replay.player.time > 0.5")
+
+
+def test_a_run_that_is_interrupted_at_its_start_says_so(browser, tmp_path):
+    stepper = ms.Stepper("apartment", robots=2, seed=1, max_time_s=60.0)
+    replay = LiveReplay(tmp_path / "replay.html")
+    replay.look(lambda: stepper.recording)
+    with pytest.raises(KeyboardInterrupt), replay:
+        raise KeyboardInterrupt
+    page = Shown(browser.new_page(), (tmp_path / "replay.html").as_uri()).open()
+    assert page.text("#live span") == (
+        "The run was interrupted: nothing had happened yet in srt-radial in apartment; "
+        "the replay shows its start."
+    )
+    assert page.errors == []
+    page.page.close()

@@ -21,6 +21,7 @@ pytestmark = pytest.mark.slow
 
 DESKTOP, PHONE = {"width": 1300, "height": 850}, {"width": 390, "height": 844}
 SETTLED = "!replay.player.isWaiting && replay.player.isComplete"
+BELOW = "document.querySelector('.view .below').toDataURL()"
 PICTURE = "[...document.querySelectorAll('.view canvas')].map((c) => c.toDataURL()).join()"
 
 
@@ -68,7 +69,10 @@ def files(tmp_path_factory, team_run, bidding_run):
     folder = tmp_path_factory.mktemp("replays")
     save_replay(team_run.recording, folder / "team.html")
     save_replay([team_run.recording, bidding_run.recording], folder / "both.html")
+    save_replay(bidding_run.recording, folder / "bids.html")
     save_replay(staged(), folder / "staged.html")
+    save_replay([team_run.recording, bidding_run.recording, staged()], folder / "three.html")
+    save_replay([staged()] * 4, folder / "four.html")
     return folder
 
 
@@ -139,14 +143,25 @@ def test_it_goes_to_a_time(shown):
     page.page.locator("#scrub").fill("30")
     assert page.text("#clock").startswith("30.0 /")
     assert page.page.get_attribute("#scrub", "aria-valuetext").startswith("30.0 s of")
-    box = page.page.locator(".curve .plot").nth(0).bounding_box()
-    page.page.mouse.click(box["x"] + box["width"] / 4, box["y"] + box["height"] / 2)
     end = page.value("replay.player.end")
+    click_plot(page, ".curve .plot", 0.25, 0.5)
     assert page.value("replay.player.time") == pytest.approx(end / 4, abs=0.5)
-    box = page.page.locator(".strip .plot").bounding_box()
-    page.page.mouse.click(box["x"] + box["width"] / 2, box["y"] + 0.9 * box["height"])
+    click_plot(page, ".strip .plot", 0.5, 0.9)
     assert page.value("replay.player.time") == pytest.approx(end / 2, abs=0.5)
     assert page.value("replay.player.robot") == 2
+    # The number of a row chooses the robot, and the time stays.
+    page.page.locator(".strip .plot").click(position={"x": 40, "y": 12})
+    assert page.value("replay.player.robot") == 0
+    assert page.value("replay.player.time") == pytest.approx(end / 2, abs=0.5)
+
+
+def click_plot(page, selector, across, down):
+    """Click on a plot, at shares of the width and height that its axes enclose."""
+    box = page.page.locator(selector).first.bounding_box()
+    left, right, top, bottom = 46, 14, 6, 17
+    x = left + across * (box["width"] - left - right)
+    y = top + down * (box["height"] - top - bottom)
+    page.page.mouse.click(box["x"] + x, box["y"] + y)
 
 
 def test_going_back_gives_the_same_picture(shown):
@@ -156,6 +171,50 @@ def test_going_back_gives_the_same_picture(shown):
         page.value(f"replay.player.seek({at})")
         page.settle()
     assert page.value(PICTURE) == once
+
+
+@pytest.mark.parametrize("layer", ["frontier", "paths"])
+def test_nothing_of_another_time_is_drawn(shown, layer):
+    without = shown(address="#t=0&layers=truth").value(BELOW)
+    page = shown(address=f"#t=0&layers=truth,{layer}")
+    # Time flies, so that little of a picture is drawn in one frame.
+    page.value(
+        """(() => {
+            const { player } = replay, paint = player.paint.bind(player);
+            let now = performance.now();
+            performance.now = () => (now += 50);
+            window.painted = [];
+            player.paint = (time) => { paint(time); painted.push(BELOW); };
+            player.seek(59);
+        })()""".replace("BELOW", BELOW)
+    )
+    page.settle()
+    *first, last = page.value("painted")
+    assert last != without
+    assert first
+    assert set(first) <= {without, last}
+
+
+def test_what_plays_waits_for_its_pictures(shown):
+    page = shown(address="#t=0&layers=trees,regions,frontier&speed=100")
+    page.value(
+        """(() => {
+            const { player } = replay, paint = player.paint.bind(player);
+            let now = performance.now();
+            performance.now = () => (now += 1);
+            window.painted = [];
+            player.paint = (time) => {
+                paint(time);
+                painted.push([player.time, player.isThere, player.views[0].ground.isThere]);
+            };
+            player.play();
+        })()"""
+    )
+    page.until("!replay.player.isPlaying")
+    painted = page.value("painted")
+    assert len(painted) > 5
+    assert all(is_there and of_ground for _, is_there, of_ground in painted)
+    assert painted[-1][0] == page.value("replay.player.end")
 
 
 def test_keys(shown):
@@ -197,6 +256,74 @@ def test_keys(shown):
     press("Escape")
     press("f")
     assert page.page.locator("#rate").is_visible()
+    # Also with Caps Lock.
+    press("F")
+    assert page.page.locator("#rate").is_hidden()
+    theme = page.page.get_attribute("html", "data-theme")
+    press("D")
+    assert page.page.get_attribute("html", "data-theme") != theme
+    page.value("replay.player.views[0].zoom(2, 100, 100)")
+    press("z")
+    assert page.value("replay.player.views[0].isWhole")
+
+
+CAMERA = "(({ left, bottom, scale }) => [left, bottom, scale])(replay.player.views[0].camera)"
+
+
+def test_the_map_is_dragged_zoomed_and_shown_whole(shown):
+    page = shown("staged", "#t=12")
+    whole = page.value(CAMERA)
+    box = page.page.locator(".view").bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.page.mouse.move(x, y)
+    page.page.mouse.down()
+    page.page.mouse.move(x + 60, y + 30, steps=5)
+    page.page.mouse.up()
+    left, bottom, scale = page.value(CAMERA)
+    assert scale == whole[2]
+    assert left == pytest.approx(whole[0] - 60 / scale)
+    assert bottom == pytest.approx(whole[1] + 30 / scale)
+    assert page.value("replay.player.robot") == -1
+    page.page.mouse.wheel(0, -300)
+    page.until(f"{CAMERA}[2] > {1.5 * scale}")
+    page.settle()
+    page.page.mouse.dblclick(x, y)
+    assert page.value(CAMERA) == pytest.approx(whole)
+
+
+def test_fingers_move_and_zoom_the_map(shown):
+    page = shown("staged", "#t=12", viewport=PHONE, has_touch=True, is_mobile=True)
+    protocol = page.page.context.new_cdp_session(page.page)
+
+    def touch(kind, *places):
+        points = [{"x": x, "y": y, "id": number} for number, (x, y) in enumerate(places)]
+        protocol.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+
+    left, _, scale = page.value(CAMERA)
+    touch("touchStart", (200, 200))
+    for k in range(6):
+        touch("touchMove", (200 + 10 * k, 200))
+    touch("touchEnd")
+    assert page.value(CAMERA)[0] == pytest.approx(left - 50 / scale)
+    touch("touchStart", (150, 200), (250, 200))
+    for k in range(6):
+        touch("touchMove", (150 - 10 * k, 200), (250 + 10 * k, 200))
+    touch("touchEnd")
+    assert page.value(CAMERA)[2] == pytest.approx(2 * scale, rel=0.05)
+    assert page.value("scrollY") == 0
+
+
+def test_what_is_chosen_is_read_out(shown):
+    page = shown("staged", "#t=5.5")
+    page.page.keyboard.press("1")
+    assert page.text("#said").startswith("Robot 1 at 5.50 s: its last decision was at 5.00 s.")
+    assert "it chose draw" in page.text("#said")
+    page.page.keyboard.press("Escape")
+    assert page.text("#said") == "map of the team"
+    click(page, 6.0, 4.0)
+    assert page.text("#said").startswith("Node 0 of robot 1 at (6.00, 4.00)")
+    page.page.keyboard.press("0")
+    assert page.text("#said").startswith("Robot 0 at 5.50 s: ")
 
 
 def test_each_layer_has_a_switch_and_draws_something(shown):
@@ -236,7 +363,10 @@ def test_a_click_on_a_robot_or_a_node_explains_it(shown):
     assert page.value("replay.player.robot") == 1
     assert page.text("#why") == explain(staged(), 1, 5.5).rstrip("\n")
     assert "it chose draw" in page.text("#why")
+    page.page.keyboard.press("Escape")
     click(page, 6.0, 4.0)  # the root of robot 1, which has left it
+    assert page.value("replay.player.robot") == -1
+    assert page.page.locator("#robot").input_value() == "-1"
     assert page.page.locator("#node").is_visible()
     assert page.text("#node").startswith("Node 0 of robot 1 at (6.00, 4.00): added at 0.00 s")
     page.page.get_by_role("button", name="Close").click()
@@ -245,7 +375,7 @@ def test_a_click_on_a_robot_or_a_node_explains_it(shown):
 
 def click(page, x, y):
     view = "replay.player.views[0]"
-    px, py, ratio = page.value(f"[{view}.x({x}), {view}.y({y}), {view}.ratio]")
+    px, py, ratio = page.value(f"[{view}.x({x}), {view}.y({y}), {view}.camera.ratio]")
     page.page.locator(".view .top").first.click(position={"x": px / ratio, "y": py / ratio})
 
 
@@ -254,7 +384,9 @@ def test_the_way_to_a_node_is_explained(shown, team_run):
     last = max(team_run.recording.of(NodeAdded), key=lambda node: node.time_s)
     number = team_run.recording.of(NodeAdded).index(last)
     page.value(f"replay.player.pick(0, {{ robot: {last.robot}, node: {number} }})")
-    page.page.get_by_role("button", name="Why it went there").click()
+    page.page.get_by_role("button", name=f"Why robot {last.robot} went there").click()
+    assert page.value("replay.player.robot") == last.robot
+    assert page.page.locator("#node").is_visible()
     assert 0.0 < page.value("replay.player.time") < last.time_s
     assert "What it decided" in page.text("#why")
 
@@ -313,6 +445,41 @@ def test_two_runs_stand_side_by_side_on_one_clock(shown, team_run, bidding_run):
     assert page.page.locator(".view.chosen .name").text_content().startswith("minpos")
 
 
+@pytest.mark.parametrize(("name", "count"), [("three", 3), ("four", 4)])
+def test_three_and_four_runs_stand_side_by_side(shown, name, count):
+    page = shown(name, "#t=12")
+    boxes = page.page.locator(".view").evaluate_all(
+        "(all) => all.map((one) => one.getBoundingClientRect().toJSON())"
+    )
+    assert len(boxes) == count
+    assert min(box["height"] for box in boxes) > 150
+    for k, box in enumerate(boxes):
+        for other in boxes[:k]:
+            beside = box["left"] >= other["right"] or box["right"] <= other["left"]
+            assert beside or box["top"] >= other["bottom"]
+    assert page.page.locator(".strip").count() == count
+    assert page.page.locator("#curves .keys li").count() == count
+    # Layers of groups are on here, too.
+    assert page.value("replay.player.layers.has('groups')")
+    for number in range(count):
+        page.page.locator(".view .top").nth(number).click(position={"x": 5, "y": 60})
+        assert page.value("replay.player.run") == number
+        assert page.page.locator(".view.chosen").count() == 1
+
+
+def test_activities_can_be_told_apart_without_colours(shown):
+    page = shown("staged")
+    looks = page.page.locator("#strips .keys canvas").evaluate_all(
+        """(all) => all.map((canvas) => {
+            const { data } = canvas.getContext("2d").getImageData(0, 0, 64, 28);
+            return Array.from({ length: 64 * 28 }, (_, k) => (data[4 * k + 3] > 127 ? 1 : 0)
+              + (data[4 * k] > 250 && data[4 * k + 1] > 250 ? 1 : 0)).join("");
+        })"""
+    )
+    names = page.page.locator("#strips .keys li").all_text_contents()
+    assert len(set(looks)) == len(looks) == len(names) == 8
+
+
 def test_an_address_is_followed_and_kept(shown):
     page = shown(address="#t=12.5&robot=2&layers=trees,truth&speed=50")
     state = "((p) => [p.time, p.robot, [...p.layers].join(), p.pace])(replay.player)"
@@ -323,6 +490,22 @@ def test_an_address_is_followed_and_kept(shown):
     page.until("location.hash.includes('t=30')")
     again = shown(address=page.value("location.hash"))
     assert again.value(state) == page.value(state)
+
+
+def test_what_is_ignored_of_an_address_is_named(shown):
+    page = shown(address="#t=20")
+    assert page.page.locator("#ignored").is_hidden()
+    page.value("location.hash = '#t=abc&robot=99&foo=1&layers=trees,none&speed=3'")
+    page.until("!document.getElementById('ignored').hidden")
+    end = page.value("replay.player.end")
+    assert page.text("#ignored-text") == (
+        "Ignored in the address: robot=99 (robots are 0 to 2); "
+        "speed=3 (not one of 0.5, 1, 2, 5, 10, 20, 50, 100); layers=none (no such layer); "
+        f"t=abc (not a time from 0 to {end:.1f} s); foo=1 (not known)."
+    )
+    assert page.page.locator("#ignored").get_attribute("role") == "status"
+    page.page.locator("#ignored").get_by_role("button", name="Close").click()
+    assert page.page.locator("#ignored").is_hidden()
 
 
 def test_a_broken_address_does_no_harm(shown):
@@ -337,6 +520,9 @@ def test_a_broken_address_does_no_harm(shown):
 def test_it_fits_a_phone(shown, name):
     page = shown(name, "#t=20", viewport=PHONE, has_touch=True, is_mobile=True)
     assert page.value("document.documentElement.scrollWidth") <= PHONE["width"]
+    assert page.value(
+        "((title) => title.scrollWidth <= title.clientWidth)(document.querySelector('h1'))"
+    )
     for control in ("#play", "#previous", "#next", "#scrub", "#speed"):
         box = page.page.locator(control).bounding_box()
         assert 0 <= box["x"] < box["x"] + box["width"] <= PHONE["width"]
@@ -347,6 +533,71 @@ def test_it_fits_a_phone(shown, name):
     assert not page.value("document.getElementById('fold-layers').open")
     page.page.locator("#fold-layers summary").tap()
     assert page.page.locator("#layers input[name=trees]").is_visible()
+
+
+def test_curves_and_strips_have_axes(shown):
+    page = shown(address="#t=20")
+    # The texts that are drawn, when all is drawn anew.
+    page.value(
+        """(() => {
+            const { prototype } = CanvasRenderingContext2D, draw = prototype.fillText;
+            window.drawn = [];
+            prototype.fillText = function (text, ...where) {
+                drawn.push(text);
+                draw.call(this, text, ...where);
+            };
+            replay.player.lines.redraw();
+            prototype.fillText = draw;
+        })()"""
+    )
+    drawn = page.value("drawn")
+    assert {"0 %", "100 %", "0", "20", "60 s", "0 m", "robot", "1", "2"} <= set(drawn)
+
+
+def test_what_a_radio_without_limit_makes_of_curves(shown):
+    page = shown("bids", "#t=20")
+    titles = page.page.locator(".curve figcaption span").all_text_contents()
+    assert titles == ["Covered (seen: thin line)", "Distance driven, all robots"]
+    assert page.text("#curves .without") == "No robot is ever cut off: radio unlimited."
+    both = shown("both", "#t=20")
+    values = both.page.locator(".curve figcaption b").all_text_contents()
+    assert values[1] == "0 | radio unlimited"
+
+
+def test_the_legend_chooses_robots(shown):
+    page = shown("both", "#t=20")
+    legend = page.page.locator("#legend button")
+    assert legend.all_text_contents() == ["0", "1", "2"]
+    colours = legend.locator(".swatch").evaluate_all(
+        "(all) => all.map((one) => getComputedStyle(one).backgroundColor)"
+    )
+    assert len(set(colours)) == 3
+    page.page.get_by_role("button", name="Robot 2", exact=True).click()
+    assert page.value("replay.player.robot") == 2
+    assert legend.nth(2).get_attribute("aria-pressed") == "true"
+    page.page.locator("#run").select_option("1")
+    assert legend.nth(2).is_disabled()
+    page.page.get_by_role("button", name="Robot 1", exact=True).click()
+    page.page.get_by_role("button", name="Robot 1", exact=True).click()
+    assert page.value("replay.player.robot") == -1
+
+
+def test_numbers_of_robots_do_not_cover_one_another(shown):
+    page = shown(address="#t=0")
+    boxes = page.value(
+        """replay.player.views[0].marks.bodies.shapes.map((shape, k) => {
+            const { bodies } = replay.player.views[0].marks, width = bodies.sprite(String(k)).width;
+            return [bodies.box(shape, bodies.seats[k], 0.7 * width), shape];
+        })"""
+    )
+    assert len(boxes) == 3
+    for k, (box, shape) in enumerate(boxes):
+        for other, other_shape in boxes[k + 1 :]:
+            apart = abs(box["x"] - other["x"]), abs(box["y"] - other["y"])
+            assert apart[0] >= box["width"] or apart[1] >= box["height"]
+            assert (
+                np.hypot(box["x"] - other_shape["x"], box["y"] - other_shape["y"]) > shape["size"]
+            )
 
 
 def test_it_follows_and_switches_the_theme(shown):

@@ -86,7 +86,7 @@ def test_scans_messages_and_what_was_learned_are_complete(team_run, data):
     packed = data["messages"]
     sets = np.split(values(packed["sets"]["of"]), np.cumsum(packed["sets"]["n"])[:-1])
     for k, sent in enumerate(recording.of(Sent)):
-        assert packed["kinds"][packed["kind"][k]] == sent.kind
+        assert packed["robot"][k] == sent.robot
         assert tuple(sets[packed["reached"][k]]) == sent.reached
 
 
@@ -109,6 +109,12 @@ def test_activities_and_curves_are_those_of_the_analysis(team_run, data):
     np.testing.assert_allclose(
         values(data["curves"]["coverage"]["coverage"], 1e4), covered, atol=6e-5
     )
+
+
+def test_robots_are_told_by_their_masters():
+    orders = payload([staged()])["runs"][0]["groups"]["orders"]
+    assert (orders["robot"], orders["master"]) == ([0, 1], [1, 1])
+    assert values(orders["t"], 1000).tolist() == [5.2, 5.2]
 
 
 def test_links_are_those_of_the_analysis(team_run, data):

@@ -1,4 +1,4 @@
-"""The events of a replay in words, and the explanations of decisions."""
+"""The events of a replay and the explanations of decisions, as text."""
 
 from __future__ import annotations
 

@@ -394,7 +394,7 @@ MINPOS_PRESET = Preset(
     claims=claims,
     tables=tables,
     deviations=DEVIATIONS,
-    run_s=12.5,
-    quick_run_s=8.5,
+    run_s=11.5,
+    quick_run_s=6.0,
     on_map=for_hospital,
 )

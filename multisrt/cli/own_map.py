@@ -55,7 +55,8 @@ def map_options(command: Callable[..., None]) -> Callable[..., None]:
             "map_file",
             type=click.Path(path_type=Path, exists=True, dir_okay=False),
             metavar="FILE",
-            help="A map of your own instead of the worlds of the experiment.",
+            help="A map of your own instead of the worlds of the experiment; with minpos, of its "
+            "hospital.",
         ),
         click.option(
             "--resolution",

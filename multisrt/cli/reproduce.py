@@ -65,13 +65,14 @@ def reproduce(
       multisrt reproduce minpos --cluster tcp://node1:8786
       multisrt reproduce alvarez --quick --reference informed
       multisrt reproduce sbx-r --map floor.yaml --seeds 10
+      multisrt reproduce minpos --map hospital_section.png --resolution 0.1
 
     \b
     Repetitions:   full   --quick   in the paper
       multi-srt      20        10             20
       sbx-r          31         6             31
-      minpos         20         8     not stated
-      alvarez        10         7             40
+      minpos         40         8     not stated
+      alvarez        20         7             40
 
     \b
     Files written to DIR:
@@ -102,7 +103,8 @@ def reproduce(
     path = store or out / STORE_NAME
     _require_own_summary(out / SUMMARY_NAME, path)
     _make_folder(out)
-    results = make_runs(path, experiment, running=running)
+    run_s = preset.quick_run_s if quick else preset.run_s
+    results = make_runs(path, experiment, running=running, run_s=run_s)
     claims, tables = preset.claims(results), preset.tables(results)
     command = f"multisrt reproduce {name}{' --quick' * quick}"
     if own_map is not None:

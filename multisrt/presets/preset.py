@@ -39,6 +39,9 @@ class Preset:
     deviations : tuple of str
         Where the experiment differs from that of the paper, or the paper leaves it open. One that
         begins with `WORLD` describes the worlds.
+    run_s, quick_run_s : float or None
+        Computing time of a run, on average over the experiment and over the quick one, in seconds
+        of one core; None if it is not known.
     on_map : callable, optional
         ``on_map(experiment, world)`` returns an `ExperimentSpec` as one in another world, an
         `EnvironmentChoice`; `in_world` is such a function. None: the preset has no such experiment.
@@ -61,6 +64,8 @@ class Preset:
     claims: Callable[[Results], list[Claim]]
     tables: Callable[[Results], list[PrintedTable]]
     deviations: tuple[str, ...]
+    run_s: float | None = None
+    quick_run_s: float | None = None
     on_map: Callable[[ExperimentSpec, EnvironmentChoice], ExperimentSpec] | None = None
 
     def with_map(self, path: Path, resolution_m: float | None = None) -> Preset:

@@ -1,20 +1,22 @@
 import dataclasses
+from pathlib import Path
 
 import msgspec
 import pytest
 
 from multisrt.experiments.crossing import PlannedRun, conditions, runs
-from multisrt.experiments.spec import ExperimentSpec
+from multisrt.experiments.spec import EnvironmentChoice, ExperimentSpec
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.presets import PRESETS, preset_named
 from multisrt.presets.sbx_r_settings import STRATEGIES
 from multisrt.spec import CatalogEnvironment, InlineEnvironment
+from tests.multisrt.presets.constructed import SOME, results_of
 
 
 # By hand. Multi-SRT: 2 worlds, 2 strategies; alone once, else 2 starts and 2 radios for each of 4
-# sizes (quick: 2). SBX-R: alone once, else 3 strategies, 3 radios, 4 sizes (1);
-# 6 ablations. MinPos: 2 worlds;
-# alone once, else 3 strategies and 6 sizes (2). Álvarez: 10 maps of 8 sizes (3 of 3).
+# sizes (quick: 2). SBX-R: alone once, else 3 strategies, 3 radios, 4 sizes (1), and 6 ablations.
+# MinPos: 2 worlds, 3 strategies and 4 sizes (2), and 3 variants of 3 strategies in one cell.
+# Álvarez: 10 maps of 8 sizes (3 of 3), and 3 variants of 4 sizes on one map.
 @pytest.mark.parametrize(
     ("name", "quick", "cells", "repetitions"),
     [
@@ -22,9 +24,9 @@ from multisrt.spec import CatalogEnvironment, InlineEnvironment
         ("multi-srt", True, 2 * 2 * (1 + 2 * 2 * 2), 10),
         ("sbx-r", False, 1 + 3 * 3 * 4 + 6, 31),
         ("sbx-r", True, 1 + 3 * 3 * 1, 6),
-        ("minpos", False, 2 * (1 + 3 * 6), 20),
-        ("minpos", True, 2 * (1 + 3 * 2), 8),
-        ("alvarez", False, 10 * 8, 10),
+        ("minpos", False, 2 * 3 * 4 + 3 * 3, 40),
+        ("minpos", True, 2 * 3 * 2, 8),
+        ("alvarez", False, 10 * 8 + 3 * 4, 20),
         ("alvarez", True, 3 * 3, 7),
     ],
 )
@@ -32,7 +34,7 @@ def test_an_experiment_has_the_runs_of_its_paper(name, quick, cells, repetitions
     spec = PRESETS[name].experiment(quick)
     assert len(conditions(spec)) == cells
     assert spec.repetitions == repetitions
-    assert {at.robots for at in conditions(spec)} >= {1}
+    assert min(at.robots for at in conditions(spec)) == (2 if name == "minpos" else 1)
 
 
 def two_runs_each(name: str, quick: bool = True) -> list[PlannedRun]:
@@ -85,11 +87,17 @@ def test_conditions_are_those_of_the_papers():
         assert spec.robots[0].range_finder.range_m == 4.0
     for run in two_runs_each("minpos"):
         assert {robot.drive.kind for robot in run.spec.robots} == {"holonomic"}
+        assert {robot.footprint for robot in run.spec.robots} == {"disc:0.2"}
+        assert run.spec.options["cell_m"] == 0.3
         assert run.spec.radio.range_m is None
     for run in two_runs_each("alvarez"):
         assert run.spec.strategy == "rules"
         assert run.spec.starts == "scattered"
         assert {robot.range_finder.range_m for robot in run.spec.robots} == {4.5}
+        assert {robot.drive.speed_m_s for robot in run.spec.robots} == {0.1}
+        assert {robot.footprint for robot in run.spec.robots} == {"disc:0.335"}
+        assert run.spec.options["cell_m"] == run.spec.options["search_cell_m"] == 0.5
+        assert run.spec.options["exchange_when"] == "nearer"
     for run in two_runs_each("multi-srt"):
         assert all(robot.start is None for robot in run.spec.robots)
 
@@ -133,3 +141,35 @@ def test_presets_have_names():
     assert {name: preset.name for name, preset in PRESETS.items()} == {n: n for n in PRESETS}
     with pytest.raises(InvalidInputError, match="did you mean 'sbx-r'"):
         preset_named("sbxr")
+
+
+@pytest.mark.parametrize(
+    ("name", "label", "worlds"), [("minpos", "hospital", 2), ("alvarez", "floor", 1)]
+)
+def test_a_map_stands_for_the_hospital_or_for_all_maps(name, label, worlds):
+    preset = PRESETS[name]
+    with_map = preset.with_map(Path("plans/floor.wkt"))
+    given = with_map.experiment(False)
+    chosen = [one for one in given.environments if isinstance(one, EnvironmentChoice)]
+    (choice,) = [one for one in chosen if one.label == label]
+    assert choice.name == "plans/floor.wkt"
+    assert len({at.environment for at in conditions(given)}) == worlds
+    # The same team sizes as in the experiment.
+    sizes = {at.robots for at in conditions(preset.experiment(False))}
+    assert {at.robots for at in conditions(given) if at.environment == label} == sizes
+    assert any("the map floor.wkt" in text for text in with_map.deviations)
+    assert not any("generated hospital" in text for text in with_map.deviations)
+
+
+def test_claims_are_judged_on_a_map_of_ones_own():
+    by_name = {name: PRESETS[name].with_map(Path("floor.wkt")) for name in ("minpos", "alvarez")}
+    verdicts = {
+        name: [
+            claim.verdict
+            for claim in preset.claims(results_of(preset.experiment(False), SOME[name]))
+        ]
+        for name, preset in by_name.items()
+    }
+    assert "not tested" not in verdicts["minpos"]
+    # The thesis prints no exponents for this map.
+    assert [k for k, verdict in enumerate(verdicts["alvarez"]) if verdict == "not tested"] == [1, 2]

@@ -27,9 +27,9 @@ from multisrt.events import (
     Sent,
 )
 from multisrt.experiments.crossing import runs
+from multisrt.experiments.spec import EnvironmentChoice, ExperimentSpec, StartsChoice
 from multisrt.geometry.grids.occupancy import UNKNOWN, Occupancy
 from multisrt.geometry.regions.safe_region import LocalSafeRegion
-from multisrt.presets.minpos import MINPOS_PRESET
 from multisrt.robots import registry
 from multisrt.robots.frontier.driving import drive
 from multisrt.robots.frontier.explore import FrontierExplorer
@@ -39,8 +39,31 @@ from multisrt.robots.registry import strategy
 from multisrt.robots.strategy import Strategy
 from multisrt.simulation.simulate import simulate
 from multisrt.simulation.worlds import inline
-from multisrt.spec import Death, LateStart, RadioSpec, RobotSpec, RunSpec, Silence, StopRule
+from multisrt.spec import (
+    Death,
+    DriveSpec,
+    LateStart,
+    RadioSpec,
+    RangeFinderSpec,
+    RobotSpec,
+    RunSpec,
+    Silence,
+    StopRule,
+)
 
+CROWDS = ExperimentSpec(
+    name="crowds",
+    environments=(
+        EnvironmentChoice(name="maze", parameters={"size_m": 20.0, "cells": 10}, seed="repetition"),
+    ),
+    strategies=("closest",),
+    robots=(6,),
+    starts=(StartsChoice(how="clustered", first="drawn"),),
+    repetitions=1,
+    first_seed=11,
+    drive=DriveSpec(kind="holonomic"),
+    range_finder=RangeFinderSpec(range_m=4.0),
+)
 FAMILY = ["closest", "greedy", "minpos", "utility", "self-bidding", "rules"]
 WALLS = shapely.union_all(
     [
@@ -344,11 +367,7 @@ def test_robots_that_meet_in_a_corridor_pass_by_giving_way(events_of, sent, monk
 def test_robots_in_a_crowd_do_not_creep_up_to_each_other(events_of, name):
     # In this drawn maze they begin close together: with any rule some stop before others, and
     # look for ways round them where there are none.
-    crowd = next(
-        run.spec
-        for run in runs(MINPOS_PRESET.experiment(False))
-        if run.spec.seed == 11 and run.condition.environment == "maze" and run.condition.robots == 6
-    )
+    crowd = next(run.spec for run in runs(CROWDS))
     spec = msgspec.structs.replace(crowd, strategy=name, stop=StopRule(max_time_s=12.0))
     recording = simulate(spec)
     assert not events_of(recording, Collision)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,6 +17,8 @@ if TYPE_CHECKING:
     from multisrt.reporting.claims import Claim
 
 STORE_NAME, REPORT_NAME, SUMMARY_NAME = "results.sqlite", "report", "summary.md"
+ABLATIONS = "-ablations"
+"""What is added to the name of the store, for that of the ablations."""
 
 RUNS_FAILED = 3
 """Exit code if a run is not a success."""
@@ -28,7 +31,7 @@ RUNS_FAILED = 3
     "--seeds",
     type=click.IntRange(1, 100_000),
     metavar="N",
-    help="Repetitions of every condition.  [default: see above]",
+    help="Repetitions of every condition, ablations apart.  [default: see above]",
 )
 @running_options
 @click.option(
@@ -45,6 +48,7 @@ RUNS_FAILED = 3
     help=f"File for the results.  [default: {STORE_NAME} in DIR]",
 )
 @click.option("--no-gallery", is_flag=True, help="Omit the trees, which need some runs repeated.")
+@click.option("--no-ablations", is_flag=True, help="Omit the ablations.")
 def reproduce(
     name: str,
     *,
@@ -53,6 +57,7 @@ def reproduce(
     out: Path | None,
     store: Path | None,
     no_gallery: bool,
+    no_ablations: bool,
     running: Running,
 ) -> None:
     """Repeat a paper's experiment and check its claims.
@@ -74,16 +79,21 @@ def reproduce(
       minpos         20         8     not stated
       alvarez        10         7             40
 
+    Ablations change one thing in a few conditions, to show what a difference from the paper does
+    or why a claim does not hold. They are run after the experiment.
+
     \b
     Files written to DIR:
-      results.sqlite   every run, for multisrt report and multisrt experiment
-      report           the report: page, figures and tables
-      summary.md       claims and figures beside those of the paper, as text
+      results.sqlite            every run, for multisrt report and multisrt experiment
+      results-ablations.sqlite  every run of the ablations, of papers that have some
+      report                    the report: page, figures and tables
+      summary.md                claims, figures beside the paper's and ablations, as text
 
     \b
     Exit code:
       0  all runs succeeded: enough covered, no collision       2    bad input
       3  some did not; the claims are judged all the same       130  interrupted
+    Ablations do not count: some of them are meant to fail.
     """
     import msgspec
 
@@ -102,13 +112,21 @@ def reproduce(
     _require_own_summary(out / SUMMARY_NAME, path)
     _make_folder(out)
     results = make_runs(path, experiment, running=running)
+    ablated = None
+    if preset.ablations is not None and not no_ablations:
+        ablated = make_runs(
+            path.with_name(f"{path.stem}{ABLATIONS}{path.suffix}"),
+            preset.ablations.experiment(preset.experiment(quick), quick=quick),
+            running=replace(running, reference=None),
+        )
     claims, tables = preset.claims(results), preset.tables(results)
     command = f"multisrt reproduce {name}{' --quick' * quick}"
     if seeds is not None:
         command += f" --seeds {seeds}"
     if running.reference is not None:
         command += f" --reference {running.reference}"
-    text = summary(preset, results, command, claims=claims, tables=tables)
+    command += " --no-ablations" * no_ablations
+    text = summary(preset, results, command, claims=claims, tables=tables, ablations=ablated)
     with atomic_write(out / SUMMARY_NAME) as file:
         file.write(text.encode())
     with LiveLine(not running.quiet, "report") as live:

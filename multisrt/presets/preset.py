@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from multisrt.experiments.results import Results
 from multisrt.experiments.spec import ExperimentSpec
+from multisrt.presets.ablations import Ablations
 from multisrt.reporting.claims import Claim, PrintedTable
 
 
@@ -32,6 +33,8 @@ class Preset:
         comparisons behind the claims, a list of `PrintedTable`.
     deviations : tuple of str
         Where the experiment differs from that of the paper, or the paper leaves it open.
+    ablations : Ablations or None
+        Changes of the experiment that show what differences do, or why a claim does not hold.
 
     Examples
     --------
@@ -51,3 +54,4 @@ class Preset:
     claims: Callable[[Results], list[Claim]]
     tables: Callable[[Results], list[PrintedTable]]
     deviations: tuple[str, ...]
+    ablations: Ablations | None = None

@@ -10,7 +10,7 @@ from shapely.geometry.base import BaseGeometry
 
 from multisrt.environments.environment import Environment
 from multisrt.environments.generators.bay import Bay, clear_zone, shared_widths
-from multisrt.environments.generators.parameters import call_text, number, seed_number
+from multisrt.environments.generators.parameters import call_text, flag, number, seed_number
 from multisrt.environments.generators.passable import passable, starts_near
 from multisrt.geometry.errors import InvalidInputError
 
@@ -30,6 +30,7 @@ def office(
     corridor_m: float = 1.8,
     door_m: float = 1.0,
     connecting: float = 0.15,
+    furnished: bool = True,
     seed: int = 0,
 ) -> Environment:
     """Draw an office floor of one or more corridors, joined by cross corridors.
@@ -47,6 +48,8 @@ def office(
         Width of the doors, 0.8 to 1.6 m.
     connecting : float
         Probability, from 0 to 1, of a door between neighbouring rooms.
+    furnished : bool
+        Whether there is furniture in the rooms. Walls and doors do not depend on it.
     seed : int
         Seed of the rooms, their furniture and their doors.
 
@@ -70,6 +73,7 @@ def office(
     corridor_m = number("office", "corridor_m", corridor_m, 1.2, 4.0)
     door_m = number("office", "door_m", door_m, 0.8, 1.6)
     connecting = number("office", "connecting", connecting, 0.0, 1.0)
+    furnished = flag("office", "furnished", furnished)
     seed = seed_number("office", seed)
     blocks = max(1, round(height_m / BLOCK_M))
     depth = (height_m - blocks * (corridor_m + 2 * WALL_M) - (blocks - 1) * WALL_M) / (2 * blocks)
@@ -110,7 +114,10 @@ def office(
                 else:
                     _row(row, door_m, connecting, rng, opened, furniture)
 
-    free = passable(shapely.union_all(opened).difference(shapely.union_all(furniture)), door_m)
+    floors = shapely.union_all(opened)
+    if furnished:
+        floors = floors.difference(shapely.union_all(furniture))
+    free = passable(floors, door_m)
     middle = corridor_m / 2
     far = lows[-1] + middle
     return Environment(
@@ -132,6 +139,8 @@ def office(
             corridor_m=corridor_m,
             door_m=door_m,
             connecting=connecting,
+            # Written only if it is not the default: recordings hold the text.
+            **({} if furnished else {"furnished": False}),
             seed=seed,
         ),
     )

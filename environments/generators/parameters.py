@@ -48,6 +48,19 @@ def whole(generator: str, name: str, value: int, low: int, high: int) -> int:
     return checked
 
 
+def flag(generator: str, name: str, value: bool) -> bool:
+    """Return a parameter that is true or false.
+
+    Raises
+    ------
+    InvalidInputError
+        If it is neither.
+    """
+    if not isinstance(value, bool):
+        raise InvalidInputError(f"{generator}: {name}={value!r} must be true or false")
+    return value
+
+
 def seed_number(generator: str, seed: int) -> int:
     """Return a seed as an int from 0 to `MAX_SEED`; see `whole`."""
     return whole(generator, "seed", seed, 0, MAX_SEED)

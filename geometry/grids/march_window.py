@@ -97,6 +97,8 @@ class MarchWindow:
         """
         free = self.passable[rows, columns]
         rows, columns = rows[free], columns[free]
+        if all_of_them and math.isinf(limit):
+            self._hold(rows, columns)
         while True:
             at = self.numbers_of(rows, columns)
             missing, final = ask(at, self.arrays.state, self.arrays.marks)
@@ -158,6 +160,23 @@ class MarchWindow:
             self.arrays, self._held, self._count, remaining, limit
         )
         return bool(at_rim)
+
+    def _hold(self, rows: IntArray, columns: IntArray) -> None:
+        # Widen at once to hold cells that the front is to reach.
+        (r0, r1, c0, c1), shape = self.window, self.passable.shape
+        if not len(rows):
+            return
+        low, high = int(rows.min()), int(rows.max())
+        left, right = int(columns.min()), int(columns.max())
+        if low < r0 or high >= r1 or left < c0 or right >= c1:
+            self._look_at(
+                (
+                    max(0, min(r0, low - MARGIN_CELLS)),
+                    min(shape[0], max(r1, high + MARGIN_CELLS + 1)),
+                    max(0, min(c0, left - MARGIN_CELLS)),
+                    min(shape[1], max(c1, right + MARGIN_CELLS + 1)),
+                )
+            )
 
     def _widen(self) -> None:
         # To all sides at once: memory costs less than moving into it.

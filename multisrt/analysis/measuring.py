@@ -35,6 +35,7 @@ from multisrt.events import (
     Collision,
     Decided,
     Decision,
+    DiagramLeft,
     Died,
     Ended,
     Joined,
@@ -266,6 +267,7 @@ def _effort(recording: Recording) -> dict[str, Any]:
         "coordinations": len(organized),
         "deadlocks": sum(event.deadlock for event in organized),
         "arcs_closed": _counts(event.reason for event in recording.of(ArcClosed)),
+        "diagram_left": _counts(event.because for event in recording.of(DiagramLeft)),
     }
 
 

@@ -138,6 +138,9 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
         How many times a master could let no robot go.
     arcs_closed : dict of str to int
         Frontier arcs that were given up, by reason.
+    diagram_left : dict of str to int
+        How often robots that steer by the nearness diagram changed to following their path for the
+        rest of a drive, by reason; see `multisrt.events.DiagramLeft`.
     collisions : int
         Collisions, of which there must be none.
     protective_stops : int
@@ -225,6 +228,7 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
     lower_bound_reach_s: float
     lower_bound_area_s: float
     lower_bound_witness_s: float | None
+    diagram_left: dict[str, int] = {}
 
     def reached(self, threshold: float = SUCCESS_COVERAGE) -> bool:
         """Whether the run was a success: whether it covered enough, however it ended.
@@ -355,6 +359,7 @@ METRIC_GROUPS: dict[str, tuple[str, ...]] = {
         "coordinations",
         "deadlocks",
         "arcs_closed",
+        "diagram_left",
     ),
     "safety": (
         "collisions",

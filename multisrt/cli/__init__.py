@@ -98,15 +98,8 @@ def main() -> None:
     except click.ClickException as error:
         _fail(f"error: {usage_message(error)}", error.exit_code)
     except MultiSrtError as error:
-        _fail(f"error: {error}{_next_step(error)}", BAD_INPUT)
+        _fail(f"error: {error}", BAD_INPUT)
     raise SystemExit(result if isinstance(result, int) else COMPLETE)
-
-
-def _next_step(error: Exception) -> str:
-    from multisrt.robots.defects import ExplorerDefect
-
-    told = isinstance(error, ExplorerDefect) and "multisrt check" not in str(error)
-    return "\nnext: multisrt check FILE" if told else ""
 
 
 def _fail(message: str, code: int) -> None:

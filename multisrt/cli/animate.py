@@ -4,26 +4,20 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from typing import Any
 
 import click
 
 from multisrt.cli.layers import without_option
+from multisrt.cli.output_options import ANIMATION_NAME, force_option, out_file, quiet_option
 from multisrt.cli.outputs import require_no_file
 from multisrt.cli.recordings import recording_in
-
-ANIMATION_NAME = "animation.svg"
-"""Name of an animation that is given none."""
 
 
 @click.command()
 @click.argument("recording", metavar="RECORDING", type=click.Path(path_type=Path))
-@click.option(
-    "--out",
-    type=click.Path(path_type=Path),
-    metavar="FILE",
-    help=f"File for the animation: .mp4, .gif or .svg.  [default: {ANIMATION_NAME} beside the "
-    "recording]",
-)
+@out_file("the animation: .mp4, .gif or .svg", ANIMATION_NAME)
+@force_option()
 @click.option(
     "--duration",
     "duration_s",
@@ -46,17 +40,15 @@ ANIMATION_NAME = "animation.svg"
     help="Width in pixels, or width and height.  [default: width 1280, GIF 720, SVG 960]",
 )
 @without_option("animation")
-@click.option("--force", is_flag=True, help="Replace FILE if it exists.")
+@quiet_option()
 def animate(
     recording: Path,
     *,
     out: Path | None,
-    duration_s: float | None,
-    speed: float | None,
-    fps: float | None,
     size: str | None,
-    without: tuple[str, ...],
     force: bool,
+    quiet: bool,
+    **drawing: Any,
 ) -> None:
     """Animate a run, as MP4, GIF, or SVG that moves by itself.
 
@@ -75,7 +67,7 @@ def animate(
     from multisrt.recording import Recording
     from multisrt.terminal import LiveLine
 
-    if duration_s is not None and speed is not None:
+    if drawing["duration_s"] is not None and drawing["speed"] is not None:
         raise click.UsageError("--duration and --speed say the same thing: give one of them")
     pixels = None if size is None else _pixels(size)
     if out is not None:
@@ -83,20 +75,18 @@ def animate(
     path = recording_in(recording)
     out = path.with_name(ANIMATION_NAME) if out is None else out
     require_no_file(out, force=force)
-    with LiveLine(True, "reading", str(path)) as line:
+    with LiveLine(not quiet, "reading", str(path)) as line:
         loaded = Recording.load(path)
         line.update(description="drawing", note=str(out))
         save_animation(
             loaded,
             out,
-            duration_s=duration_s,
-            speed=speed,
-            fps=fps,
             size=pixels,
-            without=without,
+            **drawing,
             say=lambda done, of: line.update(completed=done, total=of),
         )
-    click.echo(out)
+    if not quiet:
+        click.echo(out)
 
 
 def _pixels(size: str) -> int | tuple[int, int]:

@@ -8,6 +8,7 @@ import click
 
 from multisrt.cli import candidates
 from multisrt.cli.imports import import_all, import_option
+from multisrt.cli.output_options import quiet_option
 
 if TYPE_CHECKING:
     from multisrt.environments.environment import Environment
@@ -81,7 +82,7 @@ Exit code:
     help="Allow bodies to enter space that their robots do not know to be free.",
 )
 @click.option("--strict", is_flag=True, help="Exit with 1 for a warning, too.")
-@click.option("--quiet", is_flag=True, help="Print defects and warnings only.")
+@quiet_option("defects and warnings")
 def check(
     strategy: str,
     options: tuple[str, ...],

@@ -4,15 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from multisrt.cli import candidates
 from multisrt.cli.mistakes import CommandGroup, is_world
+from multisrt.cli.output_options import force_option, quiet_option
 from multisrt.cli.outputs import require_no_file
 from multisrt.cli.reach import areas, around
 from multisrt.cli.tables import show as show_table
 from multisrt.cli.tables import table
+
+if TYPE_CHECKING:
+    from multisrt.environments.environment import Environment
 
 
 def _meant(words: Sequence[str]) -> Sequence[str]:
@@ -48,9 +53,10 @@ def environments(context: click.Context) -> None:
     metavar="FILE",
     help="File for the picture.  [default: ENV.svg]",
 )
-@click.option("--force", is_flag=True, help="Replace FILE if it exists.")
+@force_option()
 @click.option("--resolution", type=float, help="Metres per pixel of an image without its own.")
 @click.option("--threshold", type=float, help="Lightness from 0 to 1 above which a pixel is free.")
+@quiet_option()
 def show(
     environment: str,
     *,
@@ -58,6 +64,7 @@ def show(
     force: bool,
     resolution: float | None,
     threshold: float | None,
+    quiet: bool,
 ) -> None:
     """Draw an environment as SVG.
 
@@ -69,7 +76,6 @@ def show(
       multisrt environments show plan.png --resolution 0.05
     """
     from multisrt.drawing import save_environment_svg
-    from multisrt.environments.catalog import catalog
     from multisrt.simulation.worlds import build_environment, environment_spec
 
     where = environment_spec(environment, resolution_m=resolution, threshold=threshold)
@@ -78,6 +84,14 @@ def show(
     require_no_file(out, force=force)
     world = build_environment(where)
     save_environment_svg(world, out)
+    if not quiet:
+        _describe(world, environment)
+        click.echo(f"written to {out}")
+
+
+def _describe(world: Environment, name: str) -> None:
+    from multisrt.environments.catalog import catalog
+
     x0, y0, x1, y1 = world.bounds
     click.echo(
         f"{world.name}: {x1 - x0:.4g} x {y1 - y0:.4g} m, {world.area_m2:.4g} m2 free, "
@@ -86,7 +100,6 @@ def show(
     if said := around(world):
         click.echo(said)
     for entry in catalog():
-        if entry.name == environment and entry.parameters:
+        if entry.name == name and entry.parameters:
             values = ", ".join(f"{name}={value}" for name, value in entry.parameters)
             click.echo(f"parameters: {values}")
-    click.echo(f"written to {out}")

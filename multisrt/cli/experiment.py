@@ -14,6 +14,7 @@ from multisrt.cli import candidates
 from multisrt.cli.experiment_check import check
 from multisrt.cli.imports import import_all, import_option, imports_again
 from multisrt.cli.mistakes import CommandGroup
+from multisrt.cli.output_options import force_option, quiet_option
 from multisrt.cli.outputs import require_no_file
 from multisrt.cli.running import Running, make_runs, print_gaps, running_options
 from multisrt.cli.spec_files import read_experiment
@@ -191,8 +192,9 @@ def _print_failures(results: Results, path: Path) -> None:
     shell_complete=candidates.files_named(".sqlite"),
 )
 @click.argument("out", metavar="OUT", type=click.Path(path_type=Path))
-@click.option("--force", is_flag=True, help="Replace OUT if it exists.")
-def export(results: Path, out: Path, force: bool) -> None:
+@force_option("OUT")
+@quiet_option()
+def export(results: Path, out: Path, force: bool, quiet: bool) -> None:
     """Write results as a table (.csv or .parquet).
 
     OUT has one row for each run. Parquet needs pyarrow: pip install 'multisrt[parquet]'.
@@ -206,6 +208,7 @@ def export(results: Path, out: Path, force: bool) -> None:
     from multisrt.terminal import LiveLine
 
     require_no_file(out, force=force)
-    with LiveLine(True, "reading", str(results)):
+    with LiveLine(not quiet, "reading", str(results)):
         many = write(results, out)
-    click.echo(f"{out}: {many} runs")
+    if not quiet:
+        click.echo(f"{out}: {many} runs")

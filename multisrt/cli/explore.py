@@ -11,14 +11,27 @@ from click.core import ParameterSource
 
 from multisrt.analysis.progress import Progress
 from multisrt.cli import candidates
-from multisrt.cli.imports import import_all, import_option, named_strategy, require_known
+from multisrt.cli.imports import (
+    import_all,
+    import_option,
+    named_check,
+    named_strategy,
+    require_known,
+)
 from multisrt.cli.layers import without_option
-from multisrt.cli.outputs import new_folder, require_no_file, require_no_run, run_folder
+from multisrt.cli.output_options import REPLAY_NAME, force_option, out_folder, quiet_option
+from multisrt.cli.outputs import (
+    new_folder,
+    remove_made_of_run,
+    require_no_file,
+    require_no_run,
+    run_folder,
+)
 from multisrt.cli.run_options import DRIVES, FAULTS, OVERRIDES, USUAL, spec_of_options
 from multisrt.cli.sections import SectionedCommand
 from multisrt.cli.spec_files import read_run_spec
 from multisrt.cli.summary import print_summary, robot_to_ask
-from multisrt.cli.view import REPLAY_NAME, live_page, open_page, require_few, write_page
+from multisrt.cli.view import live_page, open_page, require_few, write_page
 from multisrt.cli.watching import Watching, require_terminal
 from multisrt.geometry.errors import InvalidInputError
 
@@ -183,14 +196,8 @@ Exit code:
 )
 @click.option("--resolution", type=float, help="Metres per pixel of an image without its own.")
 @click.option("--threshold", type=float, help="Lightness from 0 to 1 above which a pixel is free.")
-@click.option(
-    "--out",
-    type=click.Path(path_type=Path),
-    metavar="DIR",
-    shell_complete=candidates.folders,
-    help="Folder for the results.  [default: runs/ENV-STRATEGY-SEED, with a number if it exists]",
-)
-@click.option("--force", is_flag=True, help="Replace the run that --out holds.")
+@out_folder("the results", "runs/ENV-STRATEGY-SEED, with a number if it exists")
+@force_option("the run in DIR")
 @without_option("map")
 @click.option(
     "--view",
@@ -215,7 +222,7 @@ Exit code:
     "--details", is_flag=True, help="Print all measures even for more than two strategies."
 )
 @click.option("--watch", is_flag=True, help="Draw the team in the terminal while it runs.")
-@click.option("--quiet", is_flag=True, help="Print errors only.")
+@quiet_option()
 @click.pass_context
 def explore(
     context: click.Context,
@@ -278,8 +285,11 @@ def explore(
     page = whole / REPLAY_NAME
     if given["view"] or given["live"]:
         require_no_file(page, force=force)
-    with live_page(page if given["live"] else None, opens=not given["no_open"]) as live:
-        runs = _run_all(specs, folders, progress, without, force=force, live=live)
+    kept = page if given["live"] else None
+    with live_page(kept, opens=not given["no_open"]) as live:
+        runs = _run_all(specs, folders, progress, without, force=force, live=live, keep=kept)
+    if force:
+        remove_made_of_run(whole, kept)  # of several runs, in the folder above theirs
     if not quiet:
         if own is not None:
             click.echo(
@@ -398,6 +408,7 @@ def _run_all(
     *,
     force: bool,
     live: LiveReplay | None,
+    keep: Path | None,
 ) -> list[Run]:
     from multisrt.finished_run import RECORDING_NAME, RUN_NAME, SPEC_NAME, TREE_NAME, Run
     from multisrt.robots.registry import strategy
@@ -414,7 +425,7 @@ def _run_all(
         progress.say("reading the environment")
         world = build_environment(specs[0].environment)
         for spec, out in zip(specs, folders, strict=True):
-            with run_folder(out, force=force) as folder:
+            with run_folder(out, force=force, keep=keep) as folder, named_check(spec.strategy):
                 watch = progress.watcher(spec, world)
                 path, planning = folder / RECORDING_NAME, progress.planning(spec.strategy)
                 recording = simulate(

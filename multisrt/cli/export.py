@@ -7,20 +7,15 @@ from pathlib import Path
 import click
 
 from multisrt.cli.layers import without_option
+from multisrt.cli.output_options import EXPORT_NAME, force_option, out_file, quiet_option
 from multisrt.cli.outputs import require_no_file
 from multisrt.cli.recordings import recording_in
 
 
 @click.command()
 @click.argument("recording", metavar="RECORDING", type=click.Path(path_type=Path))
-@click.option(
-    "--out",
-    type=click.Path(path_type=Path),
-    required=True,
-    metavar="FILE",
-    help="The file to write: .mcap for Foxglove and ROS 2, .rrd for rerun.",
-)
-@click.option("--force", is_flag=True, help="Replace the file if it exists.")
+@out_file("the run: .mcap for Foxglove and ROS 2, .rrd for rerun", EXPORT_NAME)
+@force_option()
 @click.option(
     "--rate",
     "rate_hz",
@@ -47,10 +42,10 @@ from multisrt.cli.recordings import recording_in
     help="Width of a cell of the maps (m).  [default: 0.1, wider in large worlds]",
 )
 @without_option("export")
-@click.option("--quiet", is_flag=True, help="Print errors only.")
+@quiet_option()
 def export(
     recording: Path,
-    out: Path,
+    out: Path | None,
     *,
     force: bool,
     rate_hz: float,
@@ -67,7 +62,7 @@ def export(
 
     \b
     Examples:
-      multisrt export runs/office-srt-radial-0 --out office.mcap
+      multisrt export runs/office-srt-radial-0
       multisrt export out --out out.rrd --without maps
       multisrt export out --out out.mcap --rate 30 --map-interval 1 --force
     """
@@ -79,9 +74,10 @@ def export(
     options = ExportOptions(
         rate_hz=rate_hz, map_interval_s=map_interval_s, cell_m=cell_m, without=without
     )
+    path = recording_in(recording)
+    out = path.with_name(EXPORT_NAME) if out is None else out
     require_format(out)
     require_no_file(out, force=force)
-    path = recording_in(recording)
     with LiveLine(not quiet, "reading", str(path)) as live:
         loaded = Recording.load(path)
         live.update(description="exporting", note=str(out), total=1.0, completed=0.0)

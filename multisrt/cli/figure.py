@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 import click
 
 from multisrt.cli.layers import without_option
+from multisrt.cli.output_options import FIGURE_NAME, force_option, out_file, quiet_option
 from multisrt.cli.outputs import require_no_file
 from multisrt.cli.recordings import recording_in
 
@@ -33,14 +34,12 @@ TABLES: Final = (".csv", ".md", ".tex")
 @click.argument(
     "recordings", metavar="RECORDING...", nargs=-1, required=True, type=click.Path(path_type=Path)
 )
-@click.option(
-    "--out",
-    type=click.Path(path_type=Path),
-    metavar="FILE",
-    help="The file to write: .pdf, .svg or .png; decisions also .csv, .md or .tex.  "
-    "[default: KIND.pdf]",
+@out_file(
+    "the figure: .pdf, .svg or .png; decisions also .csv, .md or .tex",
+    FIGURE_NAME.format(kind="KIND"),
+    several=True,
 )
-@click.option("--force", is_flag=True, help="Replace the file if it exists.")
+@force_option()
 @click.option(
     "--style",
     type=click.Choice(STYLES),
@@ -74,7 +73,7 @@ TABLES: Final = (".csv", ".md", ".tex")
     "scans that showed it, or robots that saw it (viewers).  [default: passes]",
 )
 @without_option("map", "  Of 'map' only.  [default: outlines]")
-@click.option("--quiet", is_flag=True, help="Print errors only.")
+@quiet_option()
 def figure(
     kind: str,
     recordings: tuple[Path, ...],
@@ -119,10 +118,10 @@ def figure(
     from multisrt.recording import Recording
     from multisrt.terminal import LiveLine
 
-    target = Path(f"{kind}.pdf") if out is None else out
+    paths = [recording_in(path) for path in recordings]
+    target = paths[0].with_name(FIGURE_NAME.format(kind=kind)) if out is None else out
     write = _writer(kind, target)
     require_no_file(target, force=force)
-    paths = [recording_in(path) for path in recordings]
     options = FigureOptions(
         **{name: value for name, value in given.items() if value not in ((), None)}
     )

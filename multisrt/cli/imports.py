@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -109,6 +110,34 @@ def named_strategy(text: str) -> Strategy:
         if file.is_file() and not is_known(text):
             raise InvalidInputError(f"there is no strategy {text!r} (did you mean {str(file)!r}?)")
     return strategy(name_of(text))
+
+
+@contextmanager
+def named_check(strategy: str) -> Iterator[None]:
+    """Name the command that checks a strategy in the message about a defect of its explorer.
+
+    Parameters
+    ----------
+    strategy : str
+        Name of the strategy.
+
+    Raises
+    ------
+    InvalidInputError
+        For an `ExplorerDefect` in the block.
+    """
+    from multisrt.robots.defects import ExplorerDefect
+
+    try:
+        yield
+    except ExplorerDefect as defect:
+        from multisrt.reporting.custom_strategies import imported
+
+        reference = imported(strategy, Path.cwd()) or strategy
+        command = f"multisrt check {shlex.quote(reference)}"
+        text = str(defect).replace("multisrt check FILE", command)
+        more = "" if command in text else f"\nnext: {command}"
+        raise InvalidInputError(f"{text}{more}") from None
 
 
 def require_known(name: str, file: Path) -> None:

@@ -1,7 +1,8 @@
 """Output of commands: existing files are not replaced unless the user says so.
 
 - A run without ``--out`` gets its own folder (`new_folder`); with ``--out`` an existing run is
-  an error (`require_no_run`), and ``--force`` replaces its files and no others.
+  an error (`require_no_run`), and ``--force`` replaces its files. The replay, the animation and
+  the export of the run that is replaced are removed (`remove_made_of_run`), and no others.
 - A picture or a table replaces an existing file only with ``--force`` (`require_no_file`).
 - New experiment files never replace a file; reports replace reports only; stores of results are
   continued. The functions that write these check that.
@@ -16,6 +17,7 @@ from contextlib import contextmanager
 from itertools import count
 from pathlib import Path
 
+from multisrt.cli.output_options import ANIMATION_NAME, EXPORT_NAME, REPLAY_NAME
 from multisrt.geometry.errors import InvalidInputError
 
 PARTIAL_NAME = "unfinished"
@@ -23,6 +25,17 @@ PARTIAL_NAME = "unfinished"
 
 RECORDING_BEGINS = b'{"event":"header"'
 """Beginning of the first line of a recording."""
+
+
+MADE_OF_RUNS = {
+    REPLAY_NAME: (b"script-src &#39;sha256-", b": replay</title>"),
+    ANIMATION_NAME: (b"<svg ", b"<desc>A run of multisrt "),
+    EXPORT_NAME: (b"\x89MCAP0", b"multisrt "),
+}
+"""Files that other commands make of a run, by their usual names, with what they begin with."""
+
+BEGINNING = 4096
+"""Number of bytes in which the marks of a file are looked for."""
 
 
 def new_folder(folder: Path) -> Path:
@@ -107,8 +120,29 @@ def _is_recording(path: Path) -> bool:
         return file.read(len(RECORDING_BEGINS)) == RECORDING_BEGINS
 
 
+def remove_made_of_run(folder: Path, keep: Path | None = None) -> None:
+    """Remove what other commands made of the run in a folder, since it shows another run now.
+
+    Parameters
+    ----------
+    folder : Path
+        The folder. Files of other names stay, as do files of these names that are not of this
+        program.
+    keep : Path, optional
+        A file that stays, because it is of the new run.
+    """
+    for name, marks in MADE_OF_RUNS.items():
+        path = folder / name
+        if path == keep or path.is_symlink() or not path.is_file():
+            continue
+        with path.open("rb") as file:
+            beginning = file.read(BEGINNING)
+        if all(mark in beginning for mark in marks):
+            path.unlink()
+
+
 @contextmanager
-def run_folder(folder: Path, *, force: bool = False) -> Iterator[Path]:
+def run_folder(folder: Path, *, force: bool = False, keep: Path | None = None) -> Iterator[Path]:
     """Open a folder for the files of a run, which move to their target at the end.
 
     On any error the files are removed, and so are the folders that were created.
@@ -118,7 +152,9 @@ def run_folder(folder: Path, *, force: bool = False) -> Iterator[Path]:
     folder : Path
         The target; it is created if necessary.
     force : bool, optional
-        Whether a run that is there is replaced.
+        Whether a run that is there is replaced, with what other commands made of it.
+    keep : Path, optional
+        A file made of the new run, which is not removed.
 
     Yields
     ------
@@ -149,6 +185,8 @@ def run_folder(folder: Path, *, force: bool = False) -> Iterator[Path]:
                 f"cannot make the folder {folder}: {error.strerror or error}"
             ) from None
         yield unfinished
+        if force:
+            remove_made_of_run(folder, keep)
         for path in sorted(unfinished.iterdir()):
             path.replace(folder / path.name)
         unfinished.rmdir()

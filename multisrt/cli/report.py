@@ -8,6 +8,7 @@ import click
 
 from multisrt.cli import candidates
 from multisrt.cli.imports import import_all, import_option
+from multisrt.cli.output_options import out_folder, quiet_option
 
 
 @click.command()
@@ -17,15 +18,7 @@ from multisrt.cli.imports import import_all, import_option
     type=click.Path(path_type=Path),
     shell_complete=candidates.files_named(".sqlite"),
 )
-@click.option(
-    "--out",
-    type=click.Path(path_type=Path),
-    default=Path("report"),
-    show_default=True,
-    metavar="DIR",
-    shell_complete=candidates.folders,
-    help="Folder for the report; a report that is already there is replaced.",
-)
+@out_folder("the report; a report that is already there is replaced", "report")
 @click.option("--latex", is_flag=True, help="Also write the tables as LaTeX.")
 @click.option(
     "--measure",
@@ -45,10 +38,10 @@ from multisrt.cli.imports import import_all, import_option
 @click.option(
     "--no-replays", is_flag=True, help="Omit the replays, pages of their own of the same runs."
 )
-@click.option("--quiet", is_flag=True, help="Print errors only.")
+@quiet_option()
 def report(
     results: Path,
-    out: Path,
+    out: Path | None,
     *,
     latex: bool,
     measures: tuple[str, ...],
@@ -89,7 +82,7 @@ def report(
 
         page = write_report(
             found,
-            out,
+            out or Path("report"),
             latex=latex,
             gallery=not left_out["no_gallery"],
             replays=not left_out["no_replays"],

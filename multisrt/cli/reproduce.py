@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 import click
 
 from multisrt.cli import candidates
+from multisrt.cli.output_options import out_folder
+from multisrt.cli.own_map import OwnMap, map_options
 from multisrt.cli.running import Running, make_runs, print_gaps, running_options
 
 if TYPE_CHECKING:
@@ -30,14 +32,9 @@ RUNS_FAILED = 3
     metavar="N",
     help="Repetitions of every condition.  [default: see above]",
 )
+@map_options
 @running_options
-@click.option(
-    "--out",
-    type=click.Path(path_type=Path),
-    metavar="DIR",
-    shell_complete=candidates.folders,
-    help="Folder for all files.  [default: reproduced/PAPER, or PAPER-quick]",
-)
+@out_folder("all files", "reproduced/PAPER, PAPER-quick, or PAPER-on-MAP")
 @click.option(
     "--store",
     type=click.Path(path_type=Path),
@@ -50,6 +47,7 @@ def reproduce(
     *,
     quick: bool,
     seeds: int | None,
+    own_map: OwnMap | None,
     out: Path | None,
     store: Path | None,
     no_gallery: bool,
@@ -66,13 +64,15 @@ def reproduce(
       multisrt reproduce sbx-r --seeds 31 --workers 2
       multisrt reproduce minpos --cluster tcp://node1:8786
       multisrt reproduce alvarez --quick --reference informed
+      multisrt reproduce sbx-r --map floor.yaml --seeds 10
+      multisrt reproduce minpos --map hospital_section.png --resolution 0.1
 
     \b
     Repetitions:   full   --quick   in the paper
       multi-srt      20        10             20
-      sbx-r          10         5             31
-      minpos         20         8     not stated
-      alvarez        10         7             40
+      sbx-r          31         6             31
+      minpos         40         8     not stated
+      alvarez        20         7             40
 
     \b
     Files written to DIR:
@@ -94,16 +94,21 @@ def reproduce(
     from multisrt.terminal import LiveLine
 
     preset = preset_named(name)
+    if own_map is not None:
+        preset = preset.with_map(own_map.path, own_map.resolution_m)
     experiment = preset.experiment(quick)
     if seeds is not None:
         experiment = msgspec.structs.replace(experiment, repetitions=seeds)
-    out = out or Path("reproduced") / (name + ("-quick" if quick else ""))
+    out = out or Path("reproduced") / _folder_name(name, quick, own_map)
     path = store or out / STORE_NAME
     _require_own_summary(out / SUMMARY_NAME, path)
     _make_folder(out)
-    results = make_runs(path, experiment, running=running)
+    run_s = preset.quick_run_s if quick else preset.run_s
+    results = make_runs(path, experiment, running=running, run_s=run_s)
     claims, tables = preset.claims(results), preset.tables(results)
     command = f"multisrt reproduce {name}{' --quick' * quick}"
+    if own_map is not None:
+        command += f" {own_map}"
     if seeds is not None:
         command += f" --seeds {seeds}"
     if running.reference is not None:
@@ -125,6 +130,10 @@ def reproduce(
         click.echo(f"{page}\n{out / SUMMARY_NAME}")
     if any(result.failed for result in results):
         raise SystemExit(RUNS_FAILED)
+
+
+def _folder_name(name: str, quick: bool, own_map: OwnMap | None) -> str:
+    return name + ("" if own_map is None else f"-on-{own_map.path.stem}") + "-quick" * quick
 
 
 def _require_own_summary(summary: Path, store: Path) -> None:

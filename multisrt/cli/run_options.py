@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterable, Mapping
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
@@ -12,6 +12,8 @@ from multisrt.geometry.errors import InvalidInputError, did_you_mean
 
 if TYPE_CHECKING:
     from multisrt.spec import Fault, RobotSpec, RunSpec
+
+T = TypeVar("T")
 
 DRIVES = ("differential", "holonomic", "reeds-shepp", "dubins")
 
@@ -23,6 +25,14 @@ USUAL = "usual"
 
 RADIO = ("radio_range", "no_multi_hop", "latency", "jitter", "loss", "walls")
 """Parameters of the command that are about the radio."""
+
+OPTIONS_OF_RADIO = {
+    "range_m": "--radio-range",
+    "latency_s": "--latency",
+    "jitter_s": "--jitter",
+    "loss": "--loss",
+}
+"""Options by the fields of `RadioSpec` that they set."""
 
 OVERRIDES = ("footprint", "range", "beams", "drive", "speed", "turning-radius", "start")
 """Keys of `--robot`."""
@@ -81,9 +91,9 @@ def spec_of_options(environment: str, strategy: str | None, given: Mapping[str, 
         ),
         options=options_of(given["options"]),
         robots=_team(given),
-        radio=RadioSpec(**radio),
+        radio=_built(RadioSpec, radio, OPTIONS_OF_RADIO),
         faults=tuple(_fault(text) for text in given["faults"]),
-        stop=StopRule(**_renamed(given, max_time="max_time_s")),
+        stop=_built(StopRule, _renamed(given, max_time="max_time_s"), {"max_time_s": "--max-time"}),
         **fields,
     )
     of_team = {name: f"--{name.replace('_', '-')}" for name in ("starts", *RADIO) if given[name]}
@@ -101,6 +111,17 @@ def options_of(texts: Iterable[str]) -> dict[str, Any]:
         If a text is not KEY=VALUE.
     """
     return dict(_key_and_value(text, "--option") for text in texts)
+
+
+def _built(kind: Callable[..., T], fields: Mapping[str, Any], options: Mapping[str, str]) -> T:
+    # What is wrong with a value is told of the option that gave it, not of the spec's field.
+    try:
+        return kind(**fields)
+    except InvalidInputError as error:
+        text = str(error)
+        for field, option in options.items():
+            text = re.sub(rf"\b{field}\b( of a radio)?", option, text)
+        raise InvalidInputError(text) from None
 
 
 def _renamed(given: Mapping[str, Any], /, **fields: str) -> dict[str, Any]:
@@ -146,7 +167,7 @@ def _team(given: Mapping[str, Any]) -> tuple[RobotSpec, ...]:
                 f"--{key} is used by no robot: "
                 + ("none is a car" if key == "turning-radius" else f"each has its own {key}")
             )
-    return tuple(map(_robot, team))
+    return tuple(map(_robot, team, differing or [{}] * count))
 
 
 def _of_drive(usual: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
@@ -167,13 +188,17 @@ def _times(number: int) -> str:
     return "once" if number == 1 else f"{number} times"
 
 
-def _robot(given: Mapping[str, Any]) -> RobotSpec:
+def _robot(given: Mapping[str, Any], own: Mapping[str, Any]) -> RobotSpec:
     from multisrt.spec import DriveSpec, RangeFinderSpec, RobotSpec
 
     drive = {"drive": "kind", "speed": "speed_m_s", "turning-radius": "turning_radius_m"}
     return RobotSpec(
         **_renamed(given, start="start", footprint="footprint"),
-        drive=DriveSpec(**_renamed(given, **drive)),
+        drive=_built(
+            DriveSpec,
+            _renamed(given, **drive),
+            {field: f"--robot {key}" if key in own else f"--{key}" for key, field in drive.items()},
+        ),
         range_finder=RangeFinderSpec(**_renamed(given, range="range_m", beams="beams")),
     )
 

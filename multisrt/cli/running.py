@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from multisrt.cli.output_options import quiet_option
+
 if TYPE_CHECKING:
     from multisrt.experiments.results import Results
     from multisrt.experiments.spec import ExperimentSpec
@@ -94,7 +96,7 @@ def running_options(command: Callable[..., None]) -> Callable[..., None]:
             "for each world, team and starts, up to a minute each.",
         ),
         click.option("--retry", is_flag=True, help="Repeat runs that failed without a result."),
-        click.option("--quiet", is_flag=True, help="Print errors only."),
+        quiet_option(),
     )
     decorated: Callable[..., None] = with_running
     for option in reversed(options):
@@ -109,6 +111,7 @@ def make_runs(
     *,
     running: Running,
     modules: Sequence[str] = (),
+    run_s: float | None = None,
 ) -> Results:
     """Execute the runs of an experiment that have no result yet.
 
@@ -124,6 +127,8 @@ def make_runs(
         How the runs are executed.
     modules : sequence of str
         Modules that workers import.
+    run_s : float, optional
+        Known computing time of a run, on average, in seconds; the expected time is then printed.
 
     Returns
     -------
@@ -152,6 +157,9 @@ def make_runs(
         with Store.create_or_open(path, spec, folder, remake=running.remake) as opened:
             if running.retry:
                 opened.forget()
+            missing = opened.planned - opened.done
+            if run_s is not None and missing and not running.quiet:
+                click.echo(expected_text(missing, opened.planned, run_s, running))
             try:
                 with LiveProgress(not running.quiet) as live:
                     run_experiment(
@@ -176,6 +184,29 @@ def make_runs(
         if not (was_there or has_begun):
             path.unlink()
         raise
+
+
+def expected_text(missing: int, planned: int, run_s: float, running: Running) -> str:
+    """Return how long the missing runs of an experiment take, in words.
+
+    Parameters
+    ----------
+    missing, planned : int
+        Number of runs that are missing, and of all.
+    run_s : float
+        Computing time of a run, on average, in seconds.
+    running : Running
+        How the runs are executed.
+    """
+    from multisrt.experiments.live import duration
+    from multisrt.experiments.runner import cores
+
+    of_all = "" if missing == planned else f" of {planned}"
+    text = f"{missing}{of_all} runs, about {duration(missing * run_s)} of one core"
+    workers = cores() if running.workers is None else max(1, running.workers)
+    if running.cluster is None and workers > 1:
+        text += f", {duration(missing * run_s / min(workers, missing))} with {workers} processes"
+    return f"{text}; an interrupted experiment continues with the same command"
 
 
 def print_gaps(results: Results) -> None:

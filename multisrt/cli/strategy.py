@@ -8,6 +8,7 @@ from pathlib import Path
 import click
 
 from multisrt.cli.mistakes import CommandGroup
+from multisrt.cli.output_options import force_option
 from multisrt.cli.outputs import require_no_file
 
 SIZES = ("rule", "planner", "explorer")
@@ -37,7 +38,7 @@ def strategy() -> None:
     help="How much of a strategy to write yourself.",
 )
 @click.option("--name", metavar="NAME", help="Name of the strategy.  [default: that of FILE]")
-@click.option("--force", is_flag=True, help="Overwrite FILE if it exists.")
+@force_option()
 def new(file: Path, size: str, name: str | None, force: bool) -> None:
     """Write a working strategy to start from.
 

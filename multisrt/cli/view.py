@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from multisrt.cli.imports import import_all, import_option
+from multisrt.cli.output_options import REPLAY_NAME, force_option, out_file, quiet_option
 from multisrt.cli.outputs import require_no_file
 from multisrt.cli.recordings import recording_in
 
@@ -18,9 +19,6 @@ if TYPE_CHECKING:
 
     from multisrt.recording import Recording
     from multisrt.replay import LiveReplay
-
-REPLAY_NAME = "replay.html"
-"""Name of a replay that is given none."""
 
 MAX_RUNS = 4
 """Upper bound of the runs on a page; a test compares it with that of `multisrt.replay`."""
@@ -34,15 +32,11 @@ MAX_RUNS = 4
     required=True,
     type=click.Path(path_type=Path),
 )
-@click.option(
-    "--out",
-    type=click.Path(path_type=Path),
-    metavar="FILE",
-    help=f"File for the page.  [default: {REPLAY_NAME} beside the first recording]",
-)
-@click.option("--force", is_flag=True, help="Replace FILE if it exists.")
+@out_file("the page", REPLAY_NAME, several=True)
+@force_option()
 @click.option("--no-open", is_flag=True, help="Do not open the page in a browser.")
 @import_option
+@quiet_option()
 def view(
     recordings: tuple[Path, ...],
     *,
@@ -50,6 +44,7 @@ def view(
     force: bool,
     no_open: bool,
     imports: tuple[str, ...],
+    quiet: bool,
 ) -> None:
     """Replay a run in a browser, or up to four side by side.
 
@@ -71,14 +66,15 @@ def view(
     paths = [recording_in(path) for path in recordings]
     page = out or paths[0].with_name(REPLAY_NAME)
     require_no_file(page, force=force)
-    with LiveLine(True, "reading") as line:
+    with LiveLine(not quiet, "reading") as line:
         loaded = []
         for path in paths:
             line.update(description="reading", note=str(path))
             loaded.append(Recording.load(path))
         line.update(description="writing", note=str(page))
         write_page(loaded, page)
-    click.echo(page)
+    if not quiet:
+        click.echo(page)
     open_page(page, opens=not no_open)
 
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from multisrt.drawing.colours import ROBOT_COLOURS
 from multisrt.environments.environment import Environment
-from multisrt.geometry.grids.raster import paint_polygon
+from multisrt.geometry.grids.polygon_fill import paint_polygon
 from multisrt.geometry.numerics.arrays import BoolArray, FloatArray
 
 SEEN, FREE, ROBOTS = range(3)

@@ -26,6 +26,8 @@ from multisrt.events.decisions import (
     Choice,
     Decided,
     Decision,
+    DiagramEnd,
+    DiagramLeft,
     GoalChosen,
 )
 from multisrt.events.event import Event, NodeName, Point, Pose, Segment
@@ -73,6 +75,8 @@ __all__ = [
     "Coordinated",
     "Decided",
     "Decision",
+    "DiagramEnd",
+    "DiagramLeft",
     "Died",
     "Ended",
     "Event",
@@ -101,6 +105,7 @@ NotedEvent = (
     NodeAdded
     | Decision
     | GoalChosen
+    | DiagramLeft
     | Decided
     | Coordinated
     | Organized

@@ -73,6 +73,24 @@ class Decision(Event, frozen=True, kw_only=True, tag="decision"):
     ger: tuple[int, ...] = ()
 
 
+DiagramEnd = Literal["no progress", "no command", "near the goal"]
+"""Why a robot that steers by the nearness diagram changed to following its path."""
+
+
+class DiagramLeft(Event, frozen=True, kw_only=True, tag="diagram_left"):
+    """A robot that steered by the nearness diagram follows its path for the rest of a drive.
+
+    Attributes
+    ----------
+    because : str
+        `no progress` for some seconds; `no command` that could be held, as a body or the unknown
+        is too near, or no opening is passable; `near the goal`, where the diagram stops short of
+        walls.
+    """
+
+    because: DiagramEnd
+
+
 class GoalChosen(Event, frozen=True, kw_only=True, tag="goal_chosen"):
     """A robot that bids for frontiers chose a goal.
 

@@ -99,7 +99,7 @@ class _BidStory(ChoiceStory[GoalChosen]):
         yield from self._tables()
         yield from self._rounds()
         if choice.rule == "utility" and choice.costs and not choice.rounds and choice.goal:
-            yield "it followed its leader; without a message of the leader it goes to the nearest"
+            yield "its leader knew no goal for it that is a frontier on its own map: the nearest"
         if choice.phi_m:
             radii = ", ".join(f"{radius:.1f}" for radius in choice.phi_m)
             yield f"cohesion radii that were tried (phi): {radii} m; the last one was used"

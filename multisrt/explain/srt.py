@@ -35,6 +35,7 @@ from multisrt.explain.words import (
 )
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.recording import Recording
+from multisrt.spec.numbering import numbers_of
 
 PURPOSES = {
     "explore": "to explore",
@@ -376,6 +377,4 @@ def _short_node(name: NodeName, robot: int) -> str:
 def _require_robot(recording: Recording, robot: int) -> None:
     team = len(recording.spec.robots)
     if not 0 <= robot < team:
-        raise InvalidInputError(
-            f"there is no robot {robot}: the run has {team}, which count from 0"
-        )
+        raise InvalidInputError(f"there is no robot {robot}: {numbers_of(team)}")

@@ -15,6 +15,7 @@ from multisrt.events import (
     Coordinated,
     Decided,
     Decision,
+    DiagramLeft,
     Died,
     Ended,
     FellSilent,
@@ -92,6 +93,8 @@ def _of_team(event: AnyEvent) -> str:
             return f"gave up a frontier arc: {event.reason}"
         case ArcReopened():
             return "took up a frontier arc again"
+        case DiagramLeft():
+            return f"follows its path instead of the nearness diagram: {event.because}"
     return ""
 
 

@@ -21,7 +21,7 @@ from multisrt.exporting.options import ExportOptions
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import ClearanceError, InvalidInputError
 from multisrt.geometry.grids.occupancy import FREE, OCCUPIED, Occupancy
-from multisrt.geometry.grids.raster import paint_polygon
+from multisrt.geometry.grids.polygon_fill import paint_polygon
 from multisrt.geometry.numerics.arrays import BoolArray, FloatArray
 from multisrt.geometry.regions.beam_chords import MIN_BEAMS
 from multisrt.geometry.regions.boundary import OBSTACLE

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from shapely import Polygon
 
 from multisrt.geometry.configuration import Configuration
-from multisrt.geometry.grids.raster import paint_polygon, runs_inside
+from multisrt.geometry.grids.polygon_fill import paint_polygon, runs_inside
 from multisrt.geometry.numerics.kernel import BoolArray, FloatArray, IntArray, kernel
 from multisrt.geometry.regions.edge_index import EdgeIndex
 from multisrt.geometry.regions.safe_region import local_safe_region

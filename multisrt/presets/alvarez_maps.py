@@ -44,6 +44,11 @@ class Scenario:
         return f"scenario {self.number} ({self.name})"
 
 
+PASSAGE_M = 1.5
+"""Width of doors and passages (m): the body with its margin, and a cell of 0.5 m."""
+
+_ROOMS: dict[str, Scalar] = {"corridor_m": 2.4, "door_m": PASSAGE_M, "furnished": False}
+
 SCENARIOS = (
     Scenario(
         number=1,
@@ -53,7 +58,7 @@ SCENARIOS = (
         time=(747.31, -0.891),
         distance=(140.97, -1.362),
         name="office",
-        parameters={"width_m": 30.0, "height_m": 20.0},
+        parameters={"width_m": 30.0, "height_m": 20.0, **_ROOMS},
     ),
     Scenario(
         number=11,
@@ -63,7 +68,7 @@ SCENARIOS = (
         time=(1424.9, -0.886),
         distance=(239.03, -1.154),
         name="maze",
-        parameters={"size_m": 30.0, "cells": 15},
+        parameters={"size_m": 30.0, "cells": 8, "loops": 0.1},
     ),
     Scenario(
         number=10,
@@ -73,7 +78,7 @@ SCENARIOS = (
         time=(2615.7, -0.920),
         distance=(460.03, -1.080),
         name="rooms",
-        parameters={"size_m": 40.0, "rooms_per_side": 5},
+        parameters={"size_m": 40.0, "rooms_per_side": 5, "door_m": PASSAGE_M},
     ),
     Scenario(
         number=13,
@@ -83,7 +88,7 @@ SCENARIOS = (
         time=(1642.4, -0.861),
         distance=(288.86, -1.000),
         name="office",
-        parameters={"width_m": 40.0, "height_m": 40.0},
+        parameters={"width_m": 40.0, "height_m": 40.0, **_ROOMS},
     ),
     Scenario(
         number=43,
@@ -93,7 +98,7 @@ SCENARIOS = (
         time=(2209.4, -0.801),
         distance=(366.41, -1.005),
         name="clutter",
-        parameters={"size_m": 40.0},
+        parameters={"size_m": 40.0, "cover": 0.1, "passage_m": PASSAGE_M},
     ),
     Scenario(
         number=18,
@@ -103,7 +108,7 @@ SCENARIOS = (
         time=(2221.9, -0.729),
         distance=(296.85, -0.940),
         name="clutter",
-        parameters={"size_m": 40.0, "cover": 0.16, "passage_m": 0.8},
+        parameters={"size_m": 40.0, "cover": 0.12, "passage_m": 1.2},
     ),
     Scenario(
         number=45,
@@ -113,7 +118,7 @@ SCENARIOS = (
         time=(2692.6, -0.893),
         distance=(434.44, -1.048),
         name="maze",
-        parameters={"size_m": 40.0, "cells": 16, "loops": 0.1},
+        parameters={"size_m": 40.0, "cells": 10, "loops": 0.3},
     ),
     Scenario(
         number=16,
@@ -123,7 +128,7 @@ SCENARIOS = (
         time=(2639.0, -0.875),
         distance=(401.84, -1.045),
         name="clutter",
-        parameters={"size_m": 40.0, "cover": 0.08, "obstacle_m": 5.0},
+        parameters={"size_m": 40.0, "cover": 0.1, "obstacle_m": 5.0, "passage_m": PASSAGE_M},
     ),
     Scenario(
         number=21,
@@ -133,7 +138,7 @@ SCENARIOS = (
         time=(4745.6, -0.855),
         distance=(772.29, -0.930),
         name="maze",
-        parameters={"size_m": 60.0, "cells": 20},
+        parameters={"size_m": 60.0, "cells": 14, "loops": 0.3},
     ),
     Scenario(
         number=46,
@@ -143,7 +148,7 @@ SCENARIOS = (
         time=(7083.3, -0.910),
         distance=(1180.10, -0.970),
         name="office",
-        parameters={"width_m": 72.0, "height_m": 60.8},
+        parameters={"width_m": 72.0, "height_m": 60.8, **_ROOMS},
     ),
 )
 """Rows of Table 4.1, in its order."""

@@ -1,45 +1,45 @@
-"""MinPos against greedy and closest in mazes and a hospital, as in section V A of its paper.
-
-The gain of a strategy is the reduction of the exploration time against a rival, in percent. It is
-computed from the geometric mean of the ratios of the two times in each repetition, in which both
-have the same world and starts; this mean favours neither of the two. Repetitions are shared by all
-team sizes and strategies, so intervals resample whole repetitions.
-"""
+"""MinPos against greedy and closest in mazes and a hospital, as in section V A of its paper."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from multisrt.experiments.crossing import Condition
-from multisrt.experiments.measures import Measure, measure_named
 from multisrt.experiments.results import Results
-from multisrt.experiments.spec import (
-    EnvironmentChoice,
-    ExperimentSpec,
-    Only,
-    StartsChoice,
-)
-from multisrt.geometry.numerics.arrays import FloatArray
-from multisrt.presets.cells import Cells, Comparison, Family
+from multisrt.presets.cells import Comparison, Family
 from multisrt.presets.judging import Judged, judge
+from multisrt.presets.minpos_experiment import (
+    CELL_M,
+    CLOSEST,
+    DEVIATIONS,
+    GREEDY,
+    HOSPITAL,
+    MAZE,
+    MINPOS,
+    PLAIN,
+    RULES,
+    STEP_S,
+    VARIANT_TEAM,
+    VARIANTS,
+    WORLDS,
+    experiment,
+    for_hospital,
+)
+from multisrt.presets.minpos_gains import (
+    HOME,
+    MIN_PAIRS,
+    TIME,
+    Ratios,
+    Times,
+    complete,
+    gain,
+    reaches,
+)
 from multisrt.presets.preset import Preset
 from multisrt.reporting.claims import Claim, PrintedTable, Verdict
-from multisrt.spec import DriveSpec, RangeFinderSpec, StopRule
-from multisrt.statistics.intervals import LEVEL, Interval, bootstrap
+from multisrt.statistics.intervals import LEVEL, Interval
 from multisrt.statistics.ratios import POWER, smallest_reduction
-
-CLOSEST, GREEDY, MINPOS = "closest", "greedy", "minpos"
-MAZE, HOSPITAL = "maze", "hospital"
-WORLDS = (MAZE, HOSPITAL)
-TEAMS, QUICK_TEAMS = (1, 2, 4, 6, 8, 10, 12), (1, 2, 4)
-REPETITIONS, QUICK_REPETITIONS = 20, 8
-MAZE_M, MAZE_CELLS = 20.0, 10
-RANGE_M = 4.0
-MAX_TIME_S = 14_400.0
-"""Limit of a run in simulated time: several times what one robot needs."""
 
 MEAN_GAINS = {GREEDY: 8.0, MINPOS: 12.0}
 """Mean gains on closest in the paper, in percent (section V A)."""
@@ -47,154 +47,7 @@ MEAN_GAINS = {GREEDY: 8.0, MINPOS: 12.0}
 LARGEST_GAINS = {HOSPITAL: 15.0, MAZE: 20.0}
 """Maximum gains of greedy and minpos on closest in the paper, in percent (section V A)."""
 
-MIN_PAIRS = 6
-"""Minimum number of complete pairs of each condition for an interval of a gain."""
-
 SOURCE = "MinPos, section V A, Figures 9 and 10"
-TIME, HOME = measure_named("known_complete_s"), measure_named("makespan_s")
-"""The time by which the claims are judged, and the one that is shown beside it."""
-
-DEVIATIONS = (
-    f"Worlds: perfect mazes of {MAZE_M:g} x {MAZE_M:g} m with {MAZE_CELLS} x {MAZE_CELLS} cells, "
-    "one for each repetition, and the hospital of the catalog. The paper's mazes and its hospital "
-    "(of Player/Stage) are not available.",
-    f"Robots: discs of 0.25 m that drive in any direction, 0.5 m/s; range finders {RANGE_M:g} m, "
-    "exact; a radio of unlimited range. The paper's robots have the size of a grid cell and its "
-    "time is counted in steps.",
-    "Robots obstruct each other: bodies have a size, and robots give way. The paper does not say "
-    "whether its simulated robots do.",
-    "Starts: close together, as in the paper (section II), which does not say where. Here the "
-    "configuration of the first robot is drawn in each repetition and the others stand around it. "
-    "All strategies have the same starts and worlds.",
-    "The paper gives neither team sizes nor the number of runs in its text, and times as curves "
-    "only: there are no printed figures for single team sizes.",
-    "All strategies choose again on news, at most once per second.",
-    "An exploration ends when one of the robots has a complete map, as in the paper (section II). "
-    "The claims are judged by the time until all are done as well, and both are shown.",
-)
-
-
-def experiment(quick: bool) -> ExperimentSpec:
-    """Return the experiment of the paper, or a quick one with fewer teams and runs."""
-    return ExperimentSpec(
-        name="minpos quick" if quick else "minpos",
-        about="How much sooner a team is done that does not go to the closest frontier",
-        environments=(
-            EnvironmentChoice(
-                name=MAZE,
-                parameters={"size_m": MAZE_M, "cells": MAZE_CELLS},
-                seed="repetition",
-            ),
-            HOSPITAL,
-        ),
-        strategies=(CLOSEST, GREEDY, MINPOS),
-        robots=QUICK_TEAMS if quick else TEAMS,
-        starts=(StartsChoice(how="clustered", first="drawn"),),
-        # For a single robot all strategies are the same.
-        exclude=(Only(robots=1, strategy=(GREEDY, MINPOS)),),
-        repetitions=QUICK_REPETITIONS if quick else REPETITIONS,
-        drive=DriveSpec(kind="holonomic"),
-        range_finder=RangeFinderSpec(range_m=RANGE_M),
-        stop=StopRule(max_time_s=MAX_TIME_S),
-    )
-
-
-# Gains --------------------------------------------------------------------------------------
-
-Ratios = dict[int, float]
-"""Logarithms of the ratios of two times by repetition; infinite where one of the runs failed."""
-
-
-class Times:
-    """The exploration times of an experiment's teams.
-
-    Parameters
-    ----------
-    results : Results
-        Results of the experiment, which may be incomplete.
-    measure : Measure
-        Which time.
-    """
-
-    def __init__(self, results: Results, measure: Measure = TIME) -> None:
-        self.cells = Cells(results)
-        self.measure = measure
-        self._at: dict[tuple[str, str, int], Condition] = {
-            (at.environment, at.strategy, at.robots): at for at in self.cells.conditions()
-        }
-        self.teams = sorted({robots for _, _, robots in self._at if robots > 1})
-        self.places = [(world, robots) for world in WORLDS for robots in self.teams]
-
-    def compared(self, world: str, robots: int, strategy: str, rival: str) -> Comparison:
-        """Return the comparison of a strategy with a rival, in pairs of repetitions."""
-        return self.cells.compared(
-            f"{world}, {robots} robots",
-            lower=self._at[world, strategy, robots],
-            higher=self._at[world, rival, robots],
-            measure=self.measure,
-        )
-
-    def ratios(self, world: str, robots: int, strategy: str, rival: str) -> Ratios:
-        """Return the logarithms of the ratios of both times, without pairs of two failed runs."""
-        both = self.compared(world, robots, strategy, rival)
-        return {
-            repetition: float(np.log(ours) - np.log(rivals))
-            for repetition, ours, rivals in zip(both.repetitions, *both.pairs, strict=True)
-            if np.isfinite(ours) or np.isfinite(rivals)
-        }
-
-    def over_closest(self, strategy: str) -> list[Ratios]:
-        """Return the ratios of a strategy's times to those of closest, for each condition."""
-        return [self.ratios(*at, strategy, CLOSEST) for at in self.places]
-
-
-def gain(cells: Sequence[Ratios], level: float = LEVEL) -> Interval | None:
-    """Return a gain in percent with its interval; None if a condition has too few pairs.
-
-    The interval is a percentile bootstrap of repetitions. Those of one number are drawn together
-    in all conditions, which may share their world and starts.
-
-    Parameters
-    ----------
-    cells : sequence of Ratios
-        Logarithms of the ratios of times, by condition. All conditions have equal weights.
-    level : float, optional
-        Confidence level of the interval.
-    """
-    finite = [complete(of) for of in cells]
-    if not finite or min(map(len, finite)) < MIN_PAIRS:
-        return None
-    means = [float(np.mean([*of.values()])) for of in finite]
-    # A pair of which a run failed has the mean of its condition.
-    by_repetition = [
-        float(np.mean([of.get(k, mean) for of, mean in zip(finite, means, strict=True)]))
-        for k in sorted(set().union(*finite))
-    ]
-    return bootstrap([by_repetition], _percent, level=level, rng=0)
-
-
-def complete(ratios: Ratios) -> Ratios:
-    """Return the ratios of pairs in which neither run failed."""
-    return {repetition: ratio for repetition, ratio in ratios.items() if np.isfinite(ratio)}
-
-
-def _percent(log_ratios: FloatArray) -> FloatArray:
-    return np.asarray(100.0 * (1.0 - np.exp(np.mean(log_ratios, axis=-1))))
-
-
-def reaches(found: Interval | None, printed: float) -> Verdict:
-    """Return the verdict on a printed gain.
-
-    It does not hold if the whole interval of our gain is below it. Otherwise it holds if the
-    interval is above 0.
-    """
-    if found is None:
-        return "not tested"
-    if found.high < printed:
-        return "does not hold"
-    return "holds" if found.low > 0.0 else "not significant"
-
-
 # Claims -------------------------------------------------------------------------------------
 
 
@@ -224,6 +77,8 @@ def tables(results: Results) -> list[PrintedTable]:
     both = both_times(results)
     return [
         *(gains(times) for times in both),
+        *variants(results),
+        times_table(both[0]),
         *(judged.table for judged in (*_faster(both), *_others(both))),
     ]
 
@@ -258,14 +113,15 @@ def _others(both: BothTimes) -> list[Judged]:
 
 
 def mean_gain(both: BothTimes, strategy: str) -> Claim:
-    """Return the judged claim on the mean gain of a strategy on closest."""
+    """Return the judged claim on the mean gain of a strategy on closest, by all cells together."""
     printed = MEAN_GAINS[strategy]
-    found, home = (gain(times.over_closest(strategy)) for times in both)
+    found, home = (times.family_gain(times.places, strategy, CLOSEST) for times in both)
+    means = gain(both[0].over_closest(strategy))
     return Claim(
         text=f"On average {strategy} shortens the exploration by {printed:g} %, against closest.",
         source="MinPos, section V A",
         verdict=reaches(found, printed),
-        grounds=(_told(found, printed), *_told_beside(home)),
+        grounds=(*_told(found, printed), *_mean_told(means), *_told_beside(home)),
         would_show=_would_show(found, reaches(found, printed)),
     )
 
@@ -279,7 +135,7 @@ def largest_gain(both: BothTimes, world: str) -> Claim:
     printed = LARGEST_GAINS[world]
     level = _at_once(2 * len(both[0].teams))
     (best, found), (_, home) = (_best(times, world, level) for times in both)
-    grounds = [_told(found, printed)]
+    grounds = _told(found, printed, level, "pairs of one cell")
     if best:
         grounds.append(f"the largest gain is that of {best}")
     return Claim(
@@ -301,7 +157,7 @@ def _best(times: Times, world: str, level: float) -> tuple[str, Interval | None]
         f"{strategy} with {robots} robots": one
         for robots in times.teams
         for strategy in (GREEDY, MINPOS)
-        if (one := gain([times.ratios(world, robots, strategy, CLOSEST)], level))
+        if (one := times.family_gain([(world, robots)], strategy, CLOSEST, level))
     }
     best = max(found, key=lambda at: found[at].value, default="")
     return best, found.get(best)
@@ -309,9 +165,8 @@ def _best(times: Times, world: str, level: float) -> tuple[str, Interval | None]
 
 def before_greedy(both: BothTimes) -> Claim:
     """Return the judged claim that minpos is "slightly better" than greedy on average."""
-    found, home = (
-        gain([times.ratios(*at, MINPOS, GREEDY) for at in times.places]) for times in both
-    )
+    found, home = (times.family_gain(times.places, MINPOS, GREEDY) for times in both)
+    means = gain([both[0].ratios(*at, MINPOS, GREEDY) for at in both[0].places])
     verdict: Verdict = "not tested"
     if found is not None:
         verdict = "holds" if found.low > 0.0 else "not significant"
@@ -320,7 +175,7 @@ def before_greedy(both: BothTimes) -> Claim:
         text="On average minpos is slightly faster than greedy.",
         source="MinPos, section V A",
         verdict=verdict,
-        grounds=(_told(found, None), *_told_beside(home)),
+        grounds=(*_told(found, None), *_mean_told(means), *_told_beside(home)),
         would_show=_would_show(found, verdict),
     )
 
@@ -413,11 +268,29 @@ class RatioOfTimes:
         return f"{self.time}, over that of the rival"
 
 
-def _told(found: Interval | None, printed: float | None) -> str:
+def _told(
+    found: Interval | None,
+    printed: float | None,
+    level: float = LEVEL,
+    what: str = "all cells together",
+) -> list[str]:
     if found is None:
-        return f"too few runs: every condition needs {MIN_PAIRS} complete pairs"
+        return [f"too few runs: every condition needs {MIN_PAIRS} pairs"]
     papers = "" if printed is None else f"; the paper: {printed:g} %"
-    return f"ours: {_percent_text(found)}, bootstrap of repetitions{papers}"
+    told = [f"ours: {_percent_text(found)}, by signed ranks of {what}{papers}"]
+    share = _detectable(found, level)
+    if share < 1.0:
+        told.append(
+            f"of experiments with this spread, {100.0 * POWER:.0f} % would find a true gain of "
+            f"{100.0 * share:.1f} %"
+        )
+    return told
+
+
+def _mean_told(found: Interval | None) -> list[str]:
+    if found is None:
+        return []
+    return [f"by geometric means of ratios, without failed runs: {_percent_text(found)}"]
 
 
 def _told_beside(found: Interval | None) -> list[str]:
@@ -428,16 +301,19 @@ def _percent_text(found: Interval) -> str:
     return f"{found.value:+.1f} % (interval {found.low:+.1f} to {found.high:+.1f})"
 
 
+def _detectable(found: Interval, level: float) -> float:
+    # A gain of g percent is a ratio of 1 - g / 100 of the times.
+    value, low, high = (1.0 - 0.01 * end for end in (found.value, found.high, found.low))
+    return smallest_reduction(Interval(value, low, high), power=POWER, level=level)
+
+
 def _would_show(found: Interval | None, verdict: Verdict, level: float = LEVEL) -> str:
     if found is None or verdict != "not significant":
         return ""
-    # A gain of g percent is a ratio of 1 - g / 100 of the times.
-    value, low, high = (1.0 - 0.01 * end for end in (found.value, found.high, found.low))
-    share = smallest_reduction(Interval(value, low, high), power=POWER, level=level)
-    return f"a gain of {100.0 * share:.1f} % would have been detected"
+    return f"a gain of {100.0 * _detectable(found, level):.1f} % would have been detected"
 
 
-# Table --------------------------------------------------------------------------------------
+# Tables -------------------------------------------------------------------------------------
 
 
 def gains(times: Times) -> PrintedTable:
@@ -463,6 +339,46 @@ def gains(times: Times) -> PrintedTable:
     )
 
 
+def variants(results: Results) -> list[PrintedTable]:
+    """Return the gains on closest under variants of the experiment; none if there are none."""
+    asked = {one: Times(results, TIME, one) for one in VARIANTS}
+    if not any(times.teams for times in asked.values()):
+        return []
+    rows = []
+    for one, times in {PLAIN: Times(results), **asked}.items():
+        ratios = [times.ratios(MAZE, VARIANT_TEAM, rule, CLOSEST) for rule in (GREEDY, MINPOS)]
+        pairs = "/".join(str(len(complete(of))) for of in ratios)
+        rows.append((one.title, *(_cell(gain([of])) for of in ratios), pairs))
+    return [
+        PrintedTable(
+            title=f"What gains depend on: maze, {VARIANT_TEAM} robots",
+            source=SOURCE,
+            columns=("variant", GREEDY, MINPOS, "pairs"),
+            rows=tuple(rows),
+            note=f"Gains on closest (percent) with 95 % intervals. {TIME.title}.",
+        )
+    ]
+
+
+def times_table(times: Times) -> PrintedTable:
+    """Return the exploration times of all conditions, in seconds and in steps."""
+    rows = []
+    for world, robots in times.places:
+        row = [world, str(robots)]
+        for rule in RULES:
+            values = times.values(world, robots, rule)
+            middle = float(np.median(values)) if values else np.nan
+            row.append(f"{middle:.0f} s, {middle / STEP_S:.0f} steps" if values else "-")
+        rows.append(tuple(row))
+    return PrintedTable(
+        title=f"{times.measure.title}, in seconds and in steps",
+        source="MinPos, Figures 9 and 10 (curves only)",
+        columns=("world", "robots", *RULES),
+        rows=tuple(rows),
+        note=f"Medians of complete runs. A step is a cell of {CELL_M:g} m, {STEP_S:g} s.",
+    )
+
+
 def _cell(found: Interval | None) -> str:
     if found is None:
         return "-"
@@ -478,4 +394,7 @@ MINPOS_PRESET = Preset(
     claims=claims,
     tables=tables,
     deviations=DEVIATIONS,
+    run_s=11.5,
+    quick_run_s=6.0,
+    on_map=for_hospital,
 )

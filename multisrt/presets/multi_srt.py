@@ -339,4 +339,6 @@ MULTI_SRT = Preset(
     claims=claims,
     tables=tables,
     deviations=DEVIATIONS,
+    run_s=1.2,
+    quick_run_s=0.7,
 )

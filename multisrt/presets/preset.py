@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import msgspec
 
 from multisrt.experiments.results import Results
-from multisrt.experiments.spec import ExperimentSpec
+from multisrt.experiments.spec import EnvironmentChoice, ExperimentSpec
+from multisrt.geometry.errors import InvalidInputError
 from multisrt.reporting.claims import Claim, PrintedTable
+
+WORLD = "World:"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -31,7 +37,14 @@ class Preset:
         ``tables(results)`` returns the results beside the printed figures of the paper and the
         comparisons behind the claims, a list of `PrintedTable`.
     deviations : tuple of str
-        Where the experiment differs from that of the paper, or the paper leaves it open.
+        Where the experiment differs from that of the paper, or the paper leaves it open. One that
+        begins with `WORLD` describes the worlds.
+    run_s, quick_run_s : float or None
+        Computing time of a run, on average over the experiment and over the quick one, in seconds
+        of one core; None if it is not known.
+    on_map : callable, optional
+        ``on_map(experiment, world)`` returns an `ExperimentSpec` as one in another world, an
+        `EnvironmentChoice`; `in_world` is such a function. None: the preset has no such experiment.
 
     Examples
     --------
@@ -51,3 +64,56 @@ class Preset:
     claims: Callable[[Results], list[Claim]]
     tables: Callable[[Results], list[PrintedTable]]
     deviations: tuple[str, ...]
+    run_s: float | None = None
+    quick_run_s: float | None = None
+    on_map: Callable[[ExperimentSpec, EnvironmentChoice], ExperimentSpec] | None = None
+
+    def with_map(self, path: Path, resolution_m: float | None = None) -> Preset:
+        """Return the preset with a map of one's own instead of its worlds.
+
+        Parameters
+        ----------
+        path : Path
+            The map file.
+        resolution_m : float, optional
+            Metres per pixel of an image without its own resolution.
+
+        Returns
+        -------
+        Preset
+
+        Raises
+        ------
+        InvalidInputError
+            If the preset cannot be run on another map.
+
+        Examples
+        --------
+        >>> from multisrt.presets import PRESETS
+        >>> preset = PRESETS["sbx-r"].with_map(Path("plans/floor.geojson"))
+        >>> preset.experiment(True).environments[0].label
+        'floor'
+        """
+        on_map = self.on_map
+        if on_map is None:
+            raise InvalidInputError(f"{self.name} cannot be run on another map; leave out --map")
+        # A name without a folder could be that of an environment of the catalogue.
+        name = str(path) if path.parent != Path() else f"./{path}"
+        world = EnvironmentChoice(name=name, label=path.stem, resolution_m=resolution_m)
+        told = f"{WORLD} the map {path.name}, not that of the paper."
+        return replace(
+            self,
+            experiment=lambda quick: on_map(self.experiment(quick), world),
+            deviations=(told, *(text for text in self.deviations if not text.startswith(WORLD))),
+        )
+
+
+def in_world(experiment: ExperimentSpec, world: EnvironmentChoice) -> ExperimentSpec:
+    """Return an experiment with all its runs in one world; see `Preset.on_map`."""
+    blocks = tuple(msgspec.structs.replace(block, environments=None) for block in experiment.blocks)
+    return msgspec.structs.replace(
+        experiment,
+        name=f"{experiment.name} on {world.label}",
+        environments=(world,),
+        blocks=blocks,
+    )

@@ -15,17 +15,26 @@ from multisrt.experiments.crossing import Condition
 from multisrt.experiments.measures import Measure, measure_named
 from multisrt.experiments.results import Results
 from multisrt.experiments.spec import (
+    Block,
     EnvironmentChoice,
     ExperimentSpec,
     Only,
     RadioChoice,
     StartsChoice,
-    StrategyChoice,
 )
 from multisrt.presets.cells import Cells, Comparison, Family
 from multisrt.presets.findings import Finding, weigh
 from multisrt.presets.judging import Judged, judge
-from multisrt.presets.preset import Preset
+from multisrt.presets.preset import Preset, in_world
+from multisrt.presets.sbx_r_settings import (
+    ABLATION_RADIO,
+    ABLATION_ROBOTS,
+    ABLATIONS,
+    MAX_TIME_S,
+    STRATEGIES,
+    ablations,
+    diagram_table,
+)
 from multisrt.presets.sbx_r_tables import (
     CLOSEST,
     NAMES,
@@ -44,12 +53,13 @@ from multisrt.statistics.rank_tests import Mark
 from multisrt.statistics.summaries import median
 
 QUICK_TEAMS = (3,)
-REPETITIONS, QUICK_REPETITIONS = 10, 6
-PAPERS_REPETITIONS = 31
+REPETITIONS, QUICK_REPETITIONS = 31, 6
 RANGE_M = 4.0
-DRIVE = "nearness-diagram"
-MAX_TIME_S = 14_400.0
-"""Limit of a run in simulated time: several times what one robot needs."""
+ABLATED = Block(
+    strategies=tuple(one.choice for one in ABLATIONS),
+    robots=(ABLATION_ROBOTS,),
+    radios=(ABLATION_RADIO,),
+)
 
 TIME, HOME = measure_named("known_complete_s"), measure_named("makespan_s")
 
@@ -63,12 +73,24 @@ DEVIATIONS = (
     "It is slow near obstacles: teams take more than twice as long as with path following.",
     "Starts: the paper does not give them. Here the configuration of the first robot is drawn in "
     "each repetition and the others stand around it. All strategies have the same starts.",
-    "A robot chooses a goal when it has reached the last one, as in the paper; with self-bidding "
-    "also when it is told to stop.",
+    "Choosing: when the last goal is reached, in sight within half the range of the sensor, even "
+    "if it is no frontier any more, as the paper describes SBX-R; with self-bidding also on a stop "
+    "signal. In all strategies also where the path turns out not to be free, or after giving way "
+    "to another robot.",
+    "Settings: all strategies choose, reach their goals, plan by EEDT and drive in the same way; "
+    "the paper says so of SBX-R alone. Lengths by which goals are compared are those of a fast "
+    "march. What remains different: stop signals, which only self-bidding sends; and who counts as "
+    "a member of the team. By self-bidding a robot out of range counts with its last known place "
+    "and goal until it is broken, and none is; the leader of utility assigns goals to the robots "
+    "in contact. A table shows what single settings change.",
+    "Utility: the leader answers a robot that asks, and the others keep their goals. The paper "
+    "does not say how its leader answers.",
+    "Nearness diagram: where it makes no progress for 5 s, sees no opening, or comes within 0.5 m "
+    "of the goal, the robot follows its path for the rest of the drive. A table says how often.",
     "For a single robot all strategies are the same: it runs 'closest' once per repetition, as in "
     "the paper.",
-    f"The paper makes {PAPERS_REPETITIONS} runs of each case, this experiment {REPETITIONS} by "
-    "default: with fewer runs fewer differences are significant.",
+    f"Runs: {REPETITIONS} of each case by default, as many as in the paper. Where a difference is "
+    "not significant, the verdict names the smallest one that so many runs would have shown.",
     "The paper does not name its test. The marks of single cells are by Mann-Whitney's, two-sided "
     "at 5 %, its p-values adjusted by Holm's procedure over the 12 cells of a table against one "
     "strategy. A claim is judged by one test of all its cells together, by signed ranks in pairs "
@@ -97,15 +119,11 @@ def experiment(quick: bool) -> ExperimentSpec:
         environments=(
             EnvironmentChoice(name="office", parameters={"width_m": 50.0, "height_m": 25.0}),
         ),
-        # In this paper all strategies decide at their targets and drive in the same way.
-        strategies=(
-            StrategyChoice(name=CLOSEST, options={"replan": "target", "drive": DRIVE}),
-            StrategyChoice(name=UTILITY, options={"drive": DRIVE}),
-            StrategyChoice(name=SBX_R, options={"drive": DRIVE}),
-        ),
+        strategies=STRATEGIES,
         robots=(1, *(QUICK_TEAMS if quick else TEAMS)),
         starts=(StartsChoice(how="clustered", first="drawn"),),
         radios=radios,
+        blocks=() if quick else (Block(), ABLATED),
         exclude=(
             Only(robots=1, strategy=(UTILITY, SBX_R)),
             Only(robots=1, radio=tuple(_radio(r) for r in RADIO_RANGES_M[1:])),
@@ -221,6 +239,8 @@ def tables(results: Results) -> list[PrintedTable]:
         *(beside(cells, table) for table in PAPER),
         *(beside(cells, _until_home(table)) for table in PAPER if table.measure == TIME),
         agreement(cells),
+        ablations(cells),
+        diagram_table(cells),
         *(judged.table for judged in _judged(results)),
     ]
 
@@ -367,4 +387,5 @@ SBX_R_PRESET = Preset(
     claims=claims,
     tables=tables,
     deviations=DEVIATIONS,
+    on_map=in_world,
 )

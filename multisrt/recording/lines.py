@@ -18,9 +18,10 @@ from multisrt.geometry.configuration import Configuration
 from multisrt.spec import RunSpec
 
 FORMAT = "multisrt-recording"
-VERSION = 4
-READABLE = (3, VERSION)
-"""Versions that are read: 3 has all that 4 has but the decisions of user-defined explorers."""
+VERSION = 5
+READABLE = (3, 4, VERSION)
+"""Versions that are read: 4 has all that 5 has but the ends of steering by the nearness diagram, 3
+lacks the decisions of user-defined explorers as well."""
 RunOutcome = Literal["complete", "stalled", "out_of_time"]
 
 Ring = tuple[tuple[float, float], ...]

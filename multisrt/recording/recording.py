@@ -181,17 +181,14 @@ class Recording:
                 lines.append(decoder.decode(text))
             except (msgspec.MsgspecError, ValueError, RecursionError) as error:
                 if number == 1 and not _claims_to_be_header(text):
-                    raise InvalidInputError(
-                        f"{path} is not a recording: its first line is no header; name the folder "
-                        "of a run, or the recording.jsonl in it"
-                    ) from None
+                    raise _no_header(path) from None
                 raise InvalidInputError(
                     f"{path}, line {number}: not a line of a recording: {error}"
                 ) from None
             if number == 1:
                 _require_header(lines[0], path)
         if not lines:
-            raise InvalidInputError(f"{path}: not a recording: its first line is no header")
+            raise _no_header(path)
         header = lines[0]
         assert isinstance(header, Header)
         if not isinstance(footer := lines[-1], Footer):
@@ -225,11 +222,18 @@ def _claims_to_be_header(text: bytes) -> bool:
     return isinstance(line, dict) and line.get("event") == "header"
 
 
+def _no_header(path: Path) -> InvalidInputError:
+    return InvalidInputError(
+        f"{path} is not a recording: its first line is no header; name the folder of a run, or "
+        "the recording.jsonl in it"
+    )
+
+
 def _require_header(line: Header | AnyEvent | Footer, path: Path) -> None:
     if not isinstance(line, Header) or line.format != FORMAT:
-        raise InvalidInputError(f"{path}: not a recording: its first line is no header")
+        raise _no_header(path)
     if line.format_version not in READABLE:
         raise InvalidInputError(
             f"{path}: format version {line.format_version}; this program reads "
-            f"{' and '.join(map(str, READABLE))}: repeat the run from its spec"
+            f"{', '.join(map(str, READABLE))}: repeat the run from its spec"
         )

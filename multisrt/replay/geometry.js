@@ -57,29 +57,36 @@ function roundHull(points, radius) {
 
 // Parts [from, to] of the segment a-b, as shares from 0 to 1, that lie outside of a polygon.
 function outsideOf(polygon, number, ax, ay, bx, by) {
-  const { first, x, y } = polygon;
-  const cuts = [0, 1];
-  const dx = bx - ax, dy = by - ay;
-  for (let i = first[number], j = first[number + 1] - 1; i < first[number + 1]; j = i++) {
-    const ex = x[i] - x[j], ey = y[i] - y[j];
-    const cross = dx * ey - dy * ex;
-    if (cross === 0) continue;
-    const qx = x[j] - ax, qy = y[j] - ay;
-    const along = (qx * ey - qy * ex) / cross, across = (qx * dy - qy * dx) / cross;
-    if (along > 0 && along < 1 && across >= -1e-9 && across <= 1 + 1e-9) cuts.push(along);
-  }
-  cuts.sort((a, b) => a - b);
-  const parts = [];
-  for (let k = 1; k < cuts.length; k++) {
-    const from = cuts[k - 1], to = cuts[k];
+  const cuts = cutsOf(polygon, number, ax, ay, bx - ax, by - ay), parts = [];
+  let from = 0, last = null;
+  for (let k = 0; k <= cuts.length; k++) {
+    const to = k < cuts.length ? cuts[k] : 1, middle = (from + to) / 2;
     if (to - from < 1e-9) continue;
-    const middle = (from + to) / 2;
-    if (inside(polygon, number, ax + middle * dx, ay + middle * dy)) continue;
-    const last = parts[parts.length - 1];
-    if (last && last[1] === from) last[1] = to;
-    else parts.push([from, to]);
+    if (inside(polygon, number, ax + middle * (bx - ax), ay + middle * (by - ay))) last = null;
+    else if (last) last[1] = to;
+    else parts.push((last = [from, to]));
+    from = to;
   }
   return parts;
+}
+
+// Where a segment crosses the outline of a polygon, as rising shares of its length.
+function cutsOf({ first, x, y }, number, ax, ay, dx, dy) {
+  const end = first[number + 1], cuts = [];
+  let px = x[end - 1] - ax, py = y[end - 1] - ay, before = dx * py - dy * px;
+  for (let i = first[number]; i < end; i++) {
+    const qx = x[i] - ax, qy = y[i] - ay, side = dx * qy - dy * qx;
+    // Most edges lie on one side of the line.
+    if (before > 0 !== side > 0) {
+      const share = before / (before - side), cx = px + share * (qx - px), cy = py + share * (qy - py);
+      const along = (cx * dx + cy * dy) / (dx * dx + dy * dy);
+      if (along > 0 && along < 1) cuts.push(along);
+    }
+    px = qx;
+    py = qy;
+    before = side;
+  }
+  return cuts.sort((a, b) => a - b);
 }
 
 function distance(ax, ay, bx, by) {

@@ -45,13 +45,17 @@ class Ground {
     return [...this.shown.values()].every((picture) => picture.isDone(this.view.camera));
   }
 
+  // What tells one state of what is drawn from another.
+  get key() {
+    const keys = [...this.shown].map(([name, picture]) => `${name} ${picture.key}`);
+    return [this.view.camera.number, this.made, this.view.player.layers.has("truth"), ...keys].join();
+  }
+
   // Draw the layers that are there; those of another time are not.
   paint() {
-    const { view, shown } = this, { colours, layers } = view.player;
-    const isTrue = layers.has("truth"), keys = [...shown].map(([name, picture]) => `${name} ${picture.key}`);
-    const painted = [view.camera.number, this.made, isTrue, ...keys].join();
-    if (painted === this.painted) return;
-    this.painted = painted;
+    const { view, shown, key } = this, { colours, layers } = view.player, isTrue = layers.has("truth");
+    if (key === this.painted) return;
+    this.painted = key;
     const context = view.below.getContext("2d");
     if (isTrue) this.drawWorld();
     context.fillStyle = isTrue ? colours.solid : colours.free;

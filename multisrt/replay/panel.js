@@ -156,8 +156,8 @@ class Panel {
 
 function aboutNode(run, node) {
   const { serial, robot, parent, x, y, t, stageName } = run.nodes, from = parent[node];
-  const origin = from < 0 ? "a root" : `its parent is node ${serial[from]} of robot ${robot[from]}`;
-  return `Node ${serial[node]} of robot ${robot[node]} at (${x[node].toFixed(2)}, ${y[node].toFixed(2)}): added at ${t[node].toFixed(2)} s, found by: ${stageName[node]}; ${origin}.`;
+  const origin = from < 0 ? "a root" : `found by: ${stageName[node]}; its parent is node ${serial[from]} of robot ${robot[from]}`;
+  return `Node ${serial[node]} of robot ${robot[node]} at (${x[node].toFixed(2)}, ${y[node].toFixed(2)}): added at ${t[node].toFixed(2)} s, ${origin}.`;
 }
 
 function whoKnows(run, node) {

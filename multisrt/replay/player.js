@@ -268,6 +268,11 @@ class Player {
   }
 
   redraw() {
+    this.isWanted = true;
+    this.schedule();
+  }
+
+  schedule() {
     if (this.isWaiting) return;
     this.isWaiting = true;
     requestAnimationFrame((now) => this.frame(now));
@@ -280,11 +285,16 @@ class Player {
     for (const view of this.views) view.prepare(this.timeOf(view.run), until);
     this.isThere = this.views.every((view) => view.isThere);
     this.isComplete = this.views.every((view) => view.isDone);
-    // What plays stays as it is until all maps of the next time are there.
-    if (this.isThere || this.isChanged || !this.isPlaying) this.paint(now);
+    if (this.isWorthPainting) this.paint(now);
     if (this.isThere) this.isChanged = false;
-    if (this.isPlaying || !this.isComplete) this.redraw();
+    if (this.isPlaying || !this.isComplete) this.schedule();
     else this.lookAhead();
+  }
+
+  // What plays stays as it is until all maps of the next time are there.
+  get isWorthPainting() {
+    if (this.isPlaying) return this.isThere || this.isChanged;
+    return this.isWanted || this.views.some((view) => view.hasNews);
   }
 
   // Move on by the time since the last frame, if all of that was shown.
@@ -294,6 +304,7 @@ class Player {
   }
 
   paint(now) {
+    this.isWanted = false;
     for (const view of this.views) view.paint(this.timeOf(view.run));
     this.count(now);
     if (!this.isPlaying) return;

@@ -158,6 +158,11 @@ class View {
     return !this.camera || this.ground.isDone;
   }
 
+  // Whether there is something to draw that was not there when it was drawn last.
+  get hasNews() {
+    return Boolean(this.camera) && this.ground.key !== this.ground.painted;
+  }
+
   // Draw the map of the time for which it was prepared, as far as it is there.
   paint(time) {
     if (!this.camera) return;

@@ -123,8 +123,15 @@ class Table:
         lines += [part for note in self.notes for part in _wrapped(note, width)]
         return "\n".join(lines).rstrip() + "\n"
 
-    def html(self) -> str:
-        """Return HTML; the headings are buttons, for a script that sorts the table."""
+    def html(self, notes: Footnotes | None = None) -> str:
+        """Return HTML; the headings are buttons, for a script that sorts the table.
+
+        Parameters
+        ----------
+        notes : Footnotes, optional
+            The notes of the page, so that each note is written once. By default the table has all
+            of its notes below it.
+        """
         head = "".join(
             f'<th scope="col"><button type="button">{_escaped(column)}</button></th>'
             for column in self.columns
@@ -133,7 +140,7 @@ class Table:
             f"<tr>{''.join(self._html_cell(i, cell) for i, cell in enumerate(row))}</tr>"
             for row in self.rows
         )
-        notes = "".join(f"<p>{_escaped(note)}</p>" for note in self.notes)
+        below = (Footnotes() if notes is None else notes).html(self.notes)
         long = " long" * any(len(row[0].text) > LONG_LABEL for row in self.rows)
         return (
             f'<div class="scroll table" role="region" tabindex="0" '
@@ -141,7 +148,7 @@ class Table:
             f'<table id="table-{self.name}" class="sorts{long}">\n'
             f"<caption>{_escaped(self.title)}</caption>\n"
             f"<thead><tr>{head}</tr></thead>\n<tbody>\n{body}\n</tbody>\n</table>\n</div>\n"
-            f'<div class="notes">{notes}</div>'
+            f'<div class="notes">{below}</div>'
         )
 
     def notebook_html(self, *more: str) -> str:
@@ -248,6 +255,44 @@ class Table:
         if is_label:
             return f'<th scope="row"{sort}>{text}</th>'
         return f"<td{sort}>{text}</td>"
+
+
+class Footnotes:
+    """Numbered notes of a page, each of which is written once and then referred to."""
+
+    def __init__(self) -> None:
+        self._numbers: dict[str, int] = {}
+
+    def html(self, notes: Sequence[str]) -> str:
+        """Return paragraphs with the notes that are new, and links to those already written.
+
+        Parameters
+        ----------
+        notes : sequence of str
+            Notes of a table.
+
+        Examples
+        --------
+        >>> notes = Footnotes()
+        >>> notes.html(["Medians.", "Few runs."])
+        '<p id="note-1"><sup>1</sup> Medians.</p><p id="note-2"><sup>2</sup> Few runs.</p>'
+        >>> notes.html(["Few runs."])
+        '<p>See note <a href="#note-2">2</a>.</p>'
+        """
+        written = [self._numbers[note] for note in notes if note in self._numbers]
+        new = [note for note in notes if note not in self._numbers]
+        for note in new:
+            self._numbers[note] = len(self._numbers) + 1
+        paragraphs = [
+            f'<p id="note-{self._numbers[note]}"><sup>{self._numbers[note]}</sup> '
+            f"{_escaped(note)}</p>"
+            for note in new
+        ]
+        if written:
+            links = [f'<a href="#note-{number_}">{number_}</a>' for number_ in written]
+            many = "s" * (len(written) > 1)
+            paragraphs.append(f"<p>See note{many} {', '.join(links)}.</p>")
+        return "".join(paragraphs)
 
 
 def number(value: float, digits: int) -> str:

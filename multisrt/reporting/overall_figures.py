@@ -55,8 +55,8 @@ def improvement(study: Study, measure: Measure) -> list[Picture]:
         return []
     found = {}
     for strategy in rivals:
-        mine = [measure.values(study.of(s, strategy)) for s in settings]
-        theirs = [measure.values(study.of(s, study.baseline)) for s in settings]
+        mine = [measure.values(study.distinct(s, strategy)) for s in settings]
+        theirs = [measure.values(study.distinct(s, study.baseline)) for s in settings]
         found[strategy] = probability_of_improvement(
             mine, theirs, lower_is_better=measure.lower_is_better, rng=SEED
         )
@@ -72,7 +72,7 @@ def improvement(study: Study, measure: Measure) -> list[Picture]:
             study,
             f"improvement-{slug(measure.name)}",
             title,
-            f"{short(measure.title)}, against {label_of(study.strategies, study.baseline)}",
+            f"{measure.title}, against {label_of(study.strategies, study.baseline)}",
             found,
             finish,
             digits=2,

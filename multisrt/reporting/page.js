@@ -46,6 +46,22 @@ function cue(part) {
   part.classList.toggle("more-left", part.scrollLeft > 1);
   part.classList.toggle("more-right", part.scrollLeft < hidden - 1);
   if (!part.closest("nav")) part.tabIndex = hidden > 1 ? 0 : -1;
+  const more = cues.get(part);
+  if (more) {
+    more.hidden = hidden <= 1;
+    more.style.visibility = part.scrollLeft < hidden - 1 ? "visible" : "hidden";
+  }
+}
+// Above a table that is wider than the screen stands that there is more of it.
+const cues = new Map();
+for (const part of document.querySelectorAll(".scroll.table")) {
+  const more = document.createElement("p");
+  more.className = "cue";
+  more.textContent = "more columns \u2192";
+  more.hidden = true;
+  more.ariaHidden = "true";
+  part.before(more);
+  cues.set(part, more);
 }
 const sized = new ResizeObserver((found) => found.forEach((entry) => cue(entry.target.closest(".scroll"))));
 for (const part of scrolls) {

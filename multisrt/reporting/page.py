@@ -20,7 +20,7 @@ from multisrt.geometry.errors import InvalidInputError
 from multisrt.reporting import figures, overall_figures, tables
 from multisrt.reporting.claims import Claim, PrintedTable
 from multisrt.reporting.custom_strategies import cautions, imports
-from multisrt.reporting.layout import Cell, Table, number, slug
+from multisrt.reporting.layout import Cell, Footnotes, Table, number, slug
 from multisrt.reporting.overview import overview
 from multisrt.reporting.reruns import MAX_FAILURES, Failure, Gallery, Specs, Tree, failures
 from multisrt.reporting.reruns import gallery as drawn_gallery
@@ -278,7 +278,8 @@ def _page(contents: Contents) -> str:
     environment.filters["size"] = _size
     environment.filters["number"] = number
     environment.filters["printable"] = printable
-    environment.filters["table"] = lambda table: Markup(table.html())
+    notes = Footnotes()
+    environment.filters["table"] = lambda table: Markup(table.html(notes))
     template = environment.from_string(beside.joinpath("page.html.j2").read_text("utf-8"))
     study = contents.study
     return template.render(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
@@ -34,7 +35,10 @@ MAX_LABEL_OF_TWO_COLUMNS: Final = 17
 """Upper bound of the letters of labels that a legend shows in two columns."""
 
 MAX_HEADLINE: Final = 46
-"""Upper bound of the characters of a headline."""
+"""Upper bound of the characters in a line of a headline."""
+
+HEADLINE_ROW_IN: Final = 0.17
+"""Height of each further line of a headline, in inches."""
 
 SETTINGS: Final[dict[Any, Any]] = SHARED_SETTINGS | {
     "axes.labelsize": 9.0,
@@ -142,8 +146,11 @@ def drawn(
 
 
 def headline(axes: Axes, text: str) -> None:
-    """Write the headline of a figure above its axes, flush left."""
-    _figure(axes).suptitle(short(text, MAX_HEADLINE), x=0.01, ha="left", fontsize=10.5)
+    """Write the headline of a figure above its axes, flush left, in as many lines as it needs."""
+    lines = textwrap.wrap(printable(text), MAX_HEADLINE) or [""]
+    figure = _figure(axes)
+    figure.set_figheight(figure.get_figheight() + HEADLINE_ROW_IN * (len(lines) - 1))
+    figure.suptitle("\n".join(lines), x=0.01, ha="left", fontsize=10.5)
 
 
 def shade(axes: Axes, look: Look, at: FloatArray, low: FloatArray, high: FloatArray) -> None:

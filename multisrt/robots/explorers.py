@@ -16,8 +16,12 @@ from multisrt.robots.frontier.explore import FrontierExplorer, Rule
 from multisrt.robots.frontier.nearness import drive_by_option
 from multisrt.robots.frontier.options import BiddingOptions
 from multisrt.robots.frontier.robot import Watch
-from multisrt.robots.frontier.self_bidding import choose_by_self_bidding, send_stop_signals
-from multisrt.robots.frontier.utility import choose_utility
+from multisrt.robots.frontier.self_bidding import (
+    choose_by_self_bidding,
+    send_last_stop_signal,
+    send_stop_signals,
+)
+from multisrt.robots.frontier.utility import answer_requests, choose_utility
 from multisrt.robots.frontier.wavefront_rules import choose_closest, choose_greedy, choose_minpos
 from multisrt.robots.multi_srt.build_multi_srt import SrtExplorer
 from multisrt.robots.multi_srt.options import MultiSrtOptions
@@ -28,9 +32,15 @@ def _srt(shape: Shape) -> Callable[[RobotSelf, MultiSrtOptions], Explorer]:
 
 
 def _bids(
-    rule: Rule, watch: Watch | None = None
+    rule: Rule, watch: Watch | None = None, at_end: Watch | None = None
 ) -> Callable[[RobotSelf, BiddingOptions], Explorer]:
-    return lambda me, options: FrontierExplorer(me, options, rule, drive_by_option, watch)
+    return lambda me, options: FrontierExplorer(me, options, rule, drive_by_option, watch, at_end)
+
+
+def _led(me: RobotSelf, options: BiddingOptions) -> FrontierExplorer:
+    explorer = FrontierExplorer(me, options, choose_utility, drive_by_option)
+    answer_requests(explorer.robot)
+    return explorer
 
 
 EXPLORERS: Final[Mapping[str, Callable[[RobotSelf, Any], Explorer]]] = {
@@ -40,8 +50,8 @@ EXPLORERS: Final[Mapping[str, Callable[[RobotSelf, Any], Explorer]]] = {
     "closest": _bids(choose_closest),
     "greedy": _bids(choose_greedy),
     "minpos": _bids(choose_minpos),
-    "utility": _bids(choose_utility),
-    "self-bidding": _bids(choose_by_self_bidding, send_stop_signals),
+    "utility": _led,
+    "self-bidding": _bids(choose_by_self_bidding, send_stop_signals, send_last_stop_signal),
     "rules": rules_explorer,
 }
 """Builds the explorer of one robot, for each strategy of `built_in`."""

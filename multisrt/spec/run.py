@@ -13,6 +13,7 @@ from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.numerics.arrays import builtin
 from multisrt.spec.environments import EnvironmentSpec
 from multisrt.spec.faults import Death, Fault, LateStart
+from multisrt.spec.numbering import numbers_of
 from multisrt.spec.part import Part, Scalar
 from multisrt.spec.radio import RadioSpec
 from multisrt.spec.robots import RobotSpec
@@ -116,7 +117,7 @@ class RunSpec(Part, frozen=True, kw_only=True):
             what = f"fault {number + 1} ({name} of robot {fault.robot})"
             if not 0 <= fault.robot < len(self.robots):
                 raise InvalidInputError(
-                    f"{what}: there is no such robot; the {len(self.robots)} count from 0"
+                    f"{what}: there is no such robot; {numbers_of(len(self.robots))}"
                 )
             if not 0.0 <= fault.time_s < self.stop.max_time_s:
                 raise InvalidInputError(

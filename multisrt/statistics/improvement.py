@@ -14,6 +14,7 @@ from multisrt.statistics.intervals import (
     Interval,
     drawn_counts,
     interval_around,
+    wilson,
 )
 from multisrt.statistics.samples import checked_resamples, strata_of
 from multisrt.statistics.wins import win_table
@@ -32,7 +33,9 @@ def probability_of_improvement(
 
     The estimate is the mean over tasks, of equal weight, of the share of all pairs of runs in
     which that of `a` is better; ties count half. The interval is a percentile bootstrap that draws
-    the runs of `a` and of `b` independently within each task.
+    the runs of `a` and of `b` independently within each task. Where every run of one is better
+    than every run of the other, all resamples are equal and the bootstrap has no width; the
+    interval is then Wilson's for as many pairs as can be formed that share no run.
 
     Source: Agarwal et al., NeurIPS 2021, section 4.3.
 
@@ -77,4 +80,8 @@ def probability_of_improvement(
         counts_of_b = drawn_counts(of_b.size, resamples, generator)
         wins_by_run_of_b = np.einsum("ra,ab->rb", counts_of_a, wins)
         drawn += np.einsum("rb,rb->r", wins_by_run_of_b, counts_of_b) / pairs
+    if value in (0.0, len(a)):
+        # Pairs that share no run are independent, and all of them have the same winner.
+        disjoint = sum(min(of_a.size, of_b.size) for of_a, of_b in zip(a, b, strict=True))
+        return wilson(disjoint if value else 0, disjoint, level=level)
     return interval_around(value / len(a), drawn / len(a), level)

@@ -39,6 +39,7 @@ def utility(
     visible: ArrayLike,
     sensor_range_m: float,
     beta: float = 1.0,
+    worth: ArrayLike | None = None,
 ) -> UtilityAssignment:
     """Assign targets to all robots, reducing the utility of targets near an assigned one.
 
@@ -54,6 +55,9 @@ def utility(
         Range R_p of the robots' range finders in metres.
     beta : float
         Weight of the cost against the utility.
+    worth : (m,) array, optional
+        Utility of each target at the beginning. Default: 1. Where some robots keep their goals, 1
+        less the `overlap` of these.
 
     Returns
     -------
@@ -62,8 +66,8 @@ def utility(
     Raises
     ------
     InvalidInputError
-        If a table has the wrong shape, a negative entry or NaN, if the range is not positive, or
-        if `beta` is negative or not finite.
+        If a table has the wrong shape, a negative entry or NaN, if a utility is not finite, if the
+        range is not positive, or if `beta` is negative or not finite.
 
     Notes
     -----
@@ -100,10 +104,11 @@ def utility(
     if not 0.0 <= beta < math.inf:
         raise InvalidInputError(f"beta is {beta}; it must be 0 or more")
 
+    left = np.ones(targets) if worth is None else np.array(worth, np.float64)  # U
+    if left.shape != (targets,) or not np.isfinite(left).all():
+        raise InvalidInputError(f"worth must have a finite utility for each of {targets} targets")
     share = table / (largest_finite(table) or 1.0)
-    overlap = np.maximum(1.0 - apart / (2.0 * sensor_range_m), 0.0)  # P
-    overlap[~(sees | np.eye(targets, dtype=np.bool_))] = 0.0
-    worth = np.ones(targets)  # U
+    lost = overlap(apart, sees | np.eye(targets, dtype=np.bool_), sensor_range_m)  # P
     assignment = np.full(robots, UNASSIGNED, np.int64)
     rounds: list[tuple[int, int, float, float]] = []
     waiting: BoolArray = np.count_nonzero(np.isfinite(table), axis=1) > 0
@@ -111,15 +116,41 @@ def utility(
         # inf * 0 would be NaN for beta = 0.
         offered = waiting[:, None] & np.isfinite(table)
         value = np.full(table.shape, -np.inf)
-        np.subtract(worth, beta * np.where(offered, share, 0.0), out=value, where=offered)
+        np.subtract(left, beta * np.where(offered, share, 0.0), out=value, where=offered)
         best = np.where(value == value.max(), table, np.inf)
         robot, target = divmod(int(np.argmin(best)), targets)
         assignment[robot] = target
-        rounds.append((robot, target, float(worth[target]), float(share[robot, target])))
+        rounds.append((robot, target, float(left[target]), float(share[robot, target])))
         waiting[robot] = False
-        worth = worth - overlap[target]
+        left = left - lost[target]
     return UtilityAssignment(
         costs=table,
         assignment=assignment,
         rounds=tuple(rounds),
     )
+
+
+def overlap(between: ArrayLike, visible: ArrayLike, sensor_range_m: float) -> FloatArray:
+    """Return the utility that targets lose to goals near them (P).
+
+    Parameters
+    ----------
+    between : (k, m) array
+        Euclidean distances from k goals to the targets in metres.
+    visible : (k, m) array of bool
+        Whether they see each other.
+    sensor_range_m : float
+        Range R_p of the robots' range finders in metres.
+
+    Returns
+    -------
+    (k, m) array
+
+    Examples
+    --------
+    >>> overlap([[0.0, 2.0, 9.0]], [[True, True, True]], 4.0).tolist()
+    [[1.0, 0.75, 0.0]]
+    """
+    lost: FloatArray = np.maximum(1.0 - np.asarray(between) / (2.0 * sensor_range_m), 0.0)
+    lost[~np.asarray(visible, np.bool_)] = 0.0
+    return lost

@@ -113,6 +113,7 @@ VARIATIONS: dict[str, Any] = {
             "corridor_m": st.floats(1.2, 2),
             "door_m": st.floats(0.8, 1.6),
             "connecting": st.floats(0, 1),
+            "furnished": st.booleans(),
         },
     ),
     "hospital": (

@@ -256,7 +256,7 @@ def test_a_fault_that_is_not_within_the_run_is_refused(build, what, time_s):
 
 @pytest.mark.parametrize("robot", [-1, 2])
 def test_a_fault_of_no_robot_is_refused(robot):
-    with pytest.raises(InvalidInputError, match="there is no such robot; the 2 count from 0"):
+    with pytest.raises(InvalidInputError, match="there is no such robot; the team has 2 robots"):
         RunSpec(**RUN_OF_A_MINUTE, faults=(LateStart(robot=robot, time_s=1.0),))
 
 

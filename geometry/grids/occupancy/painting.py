@@ -20,7 +20,8 @@ from multisrt.geometry.grids.occupancy.layers import (
     UNKNOWN,
     Layers,
 )
-from multisrt.geometry.grids.raster import OFFSET_X, OFFSET_Y, row_crossings
+from multisrt.geometry.grids.polygon_fill import row_crossings
+from multisrt.geometry.grids.raster import OFFSET_X, OFFSET_Y
 from multisrt.geometry.numerics.arrays import ByteArray, FloatArray, IntArray
 from multisrt.geometry.numerics.kernel import kernel
 from multisrt.geometry.regions.boundary import OBSTACLE, TagArray

@@ -41,7 +41,7 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 from shapely.geometry.base import BaseGeometry
 
-from multisrt.geometry.grids.raster import paint_polygon
+from multisrt.geometry.grids.polygon_fill import paint_polygon
 from multisrt.geometry.numerics.kernel import BoolArray, FloatArray, IntArray, kernel
 
 LONGEST_DETOUR: Final = 1.0 / math.cos(0.5 * math.atan(0.5))

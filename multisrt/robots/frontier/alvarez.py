@@ -9,9 +9,9 @@ known area, and the path to that place is the shortest one, not one from cell to
   the search, the nearest frontier is the goal. So runs are complete as with all strategies.
 - A robot waits only for others in sight, and at most as often as it asks others to give way
   (`patience`); then the protective stop and `giving_way` decide.
-- Goals are compared whenever one is new, and swapped only if the sum of the two paths does not grow
-  by more than the width of a cell. As a swap shortens the shorter of the two paths, robots do not
-  swap forever.
+- Goals are compared whenever one is new, not all the time, and by default swapped only if the sum
+  of the two paths does not grow by more than the width of a cell (`exchange_when`). As a swap
+  shortens the shorter of the two paths in either case, robots do not swap forever.
 - A cell counts as inaccessible once every robot that is present (`Teammates.present`) has found
   it so, not every robot of the team. Robots also report the places at the edge of the known area
   that they reached without result.
@@ -255,8 +255,12 @@ class Rules:
             if partner is None:
                 return False
             mate = mates[partner - 1]
-            swapped = asked[partner] + path_cost(robot, survey, mate.place[:2], team.cells.aim)
-        if mate.aim is None or swapped > own + owners[partner] + robot.options.cell_m:
+            most = own + owners[partner] + robot.options.cell_m
+            if robot_options(robot).exchange_when == "shorter" and most < asked[
+                partner
+            ] + path_cost(robot, survey, mate.place[:2], team.cells.aim):
+                return False
+        if mate.aim is None:
             return False
         given, team.cells.aim = team.cells.aim, mate.aim
         yield Send(SwapMessage(sender=robot.me.robot, taken=mate.aim, given=given), mate.robot)

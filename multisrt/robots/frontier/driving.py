@@ -150,8 +150,8 @@ def reason_to_end(
         return None
     if robot.sees_at_half_range(goal):
         return Event.REACHED
-    maps = robot.options.sense == "moving" and not all_the_way
-    if maps and not robot.is_frontier(*goal.place):
+    may_end_early = robot.options.sense == "moving" and robot.options.replan != "arrival"
+    if may_end_early and not all_the_way and not robot.is_frontier(*goal.place):
         return Event.NOTHING_LEFT
     if robot.may_choose_anew():
         return Event.NEWS

@@ -65,6 +65,8 @@ class FrontierExplorer:
         Drives to them.
     watch : callable, optional
         Called after every scan that showed something new.
+    at_end : callable, optional
+        Called when no frontier is left that the robot could reach, before it is done.
     barred : callable
         Whether, when the rule has chosen nothing, there are goals to which only bodies in the way
         bar all paths. By default the frontiers of the raster are the goals; a rule that goes to
@@ -87,6 +89,7 @@ class FrontierExplorer:
         rule: Rule,
         drive: Drive = drive,
         watch: Watch | None = None,
+        at_end: Watch | None = None,
         barred: Callable[[FrontierRobot], bool] = FrontierRobot.blocked_frontiers,
     ) -> None:
         self.robot = FrontierRobot(me, options, watch)
@@ -94,6 +97,7 @@ class FrontierExplorer:
         self.asks: Callable[..., object] | None = rule
         self._rule = rule
         self._drive = drive
+        self._at_end = at_end
         self._barred = barred
         self._met: Sighting | None = None
 
@@ -126,7 +130,7 @@ class FrontierExplorer:
     def choose(self) -> Act:
         """Choose a goal by the rule, unless it is clear that none can be reached."""
         robot, team, goal = self.robot, self.robot.team, None
-        if team.requests.a_choice_is_due or not self.progress.is_jammed:
+        if not self.progress.is_jammed:
             team.phase = "choosing"
             goal = yield from self._rule(robot, self.progress.because)
         robot.set_goal(goal)
@@ -162,6 +166,9 @@ class FrontierExplorer:
         if ended is Event.REACHED:
             robot.frontiers.note_reached(goal.place, robot.at[:2])
         elif ended is Event.NO_WAY:
+            if robot.options.replan == "arrival" and not robot.is_frontier(*goal.place):
+                # It cannot go on to a goal at which nothing is left: there is nothing to give up.
+                return Event.NOTHING_LEFT
             self.judge_no_path(goal)
         return ended
 
@@ -224,6 +231,8 @@ class FrontierExplorer:
         robot, team, progress = self.robot, self.robot.team, self.progress
         if progress.state is State.COMPLETE:
             yield from robot.tell_when_complete()
+            if self._at_end is not None:
+                yield from self._at_end(robot)
             done = Done(
                 complete=True,
                 reason="no frontier is left that it can reach",

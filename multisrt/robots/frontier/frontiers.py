@@ -63,8 +63,7 @@ class Frontiers:
 
     def placed(self) -> list[tuple[FrontierGroup, Place]]:
         """Return the groups of `targets`, each with the place to go to."""
-        placed = [(group, self._target(group)) for group in self._reachable()]
-        return [(group, place) for group, place in placed if place is not None]
+        return self._placed(self._reachable())
 
     def look_closer(self, field: DistanceField, *, blocked: bool) -> bool:
         """Look for other targets in groups whose own one cannot be reached.
@@ -88,13 +87,13 @@ class Frontiers:
         """
         found = False
         known, self._unreachable, substitutes = self._unreachable, {}, {}
-        for group in self.groups():
-            place = self._target(group)
-            if place is None:
-                continue
+        placed = self._placed(self.groups())
+        places = np.array([place for _, place in placed]).reshape(-1, 2)
+        in_reach = np.isfinite(field.distance(indices_of(self._raster, places)))
+        for (group, _), is_in_reach in zip(placed, in_reach.tolist(), strict=True):
             if id(group) in self._substitutes:
                 substitutes[id(group)] = self._substitutes[id(group)]
-            if np.isfinite(field.distance(indices_of(self._raster, np.array([place])))[0]):
+            if is_in_reach:
                 found |= id(group) in known
                 continue
             cells = self._open_cells(group)
@@ -176,6 +175,10 @@ class Frontiers:
             del self._no_path[place]
             self._given_up.pop(place, None)
         return len(again) > 0
+
+    def _placed(self, groups: list[FrontierGroup]) -> list[tuple[FrontierGroup, Place]]:
+        placed = [(group, self._target(group)) for group in groups]
+        return [(group, place) for group, place in placed if place is not None]
 
     def _reachable(self) -> list[FrontierGroup]:
         return [group for group in self.groups() if id(group) not in self._unreachable]

@@ -75,10 +75,11 @@ def ask_to_leave(robot: FrontierRobot, goal: Goal, met: Sighting) -> Steps:
             return
     if team.mates.last_heard_s(other) < began_s:
         robot.bodies.add(met)
+        team.mates.note_lost(other, robot.time_s)
         yield Note(PresumedLost(time_s=robot.time_s, robot=robot.me.robot, other=other))
         return
     share = 0.5 + robot.me.rng.random()
-    robot.bodies.add(met, robot.time_s + share * robot.options.forget_after_s)
+    robot.bodies.add(met, robot.time_s + share * robot.options.body_stays_s)
 
 
 def give_way(robot: FrontierRobot) -> Steps:

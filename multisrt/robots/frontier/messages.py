@@ -119,13 +119,14 @@ class StopMessage(Message, frozen=True, kw_only=True):
 
     Attributes
     ----------
-    goal : (x, y)
-        The goal.
+    goal : (x, y) or None
+        The goal. None: whatever its goal is, as the sender knows no frontier any more that it could
+        reach.
     """
 
     kind: ClassVar[str] = "stop"
 
-    goal: Place
+    goal: Place | None = None
 
     @property
     def wakes(self) -> bool:
@@ -134,17 +135,21 @@ class StopMessage(Message, frozen=True, kw_only=True):
 
 
 class AssignmentMessage(Message, frozen=True, kw_only=True):
-    """The leader's assignment of goals (Stachniss and Burgard: central assignment).
+    """The goal that the leader assigns to a robot (Stachniss and Burgard: central assignment).
 
     Attributes
     ----------
-    goals : tuple of (robot, (x, y) or None)
-        The goal of every robot.
+    goal : (x, y) or None
+        The goal; None if the leader knows no frontier that the robot could reach.
+    utility, share : float
+        Utility of the goal when it was assigned, and the cost as a share of the largest one.
     """
 
     kind: ClassVar[str] = "assignment"
 
-    goals: tuple[tuple[int, Place | None], ...]
+    goal: Place | None = None
+    utility: float = 0.0
+    share: float = 0.0
 
     @property
     def wakes(self) -> bool:

@@ -7,13 +7,14 @@ import math
 from collections.abc import Generator
 from typing import cast
 
+from multisrt.events import DiagramEnd, DiagramLeft
 from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.planners.motion.kinematics import Differential, Holonomic
 from multisrt.planners.navigation.beams import in_frame_of, nearer, region_ranges
 from multisrt.planners.navigation.held_command import known_clearance, motion, safe_time
 from multisrt.planners.navigation.nearness_diagram import command
 from multisrt.planners.navigation.path_following import ahead
-from multisrt.robots.explorer import Action, Outcome
+from multisrt.robots.explorer import Action, Note, Outcome
 from multisrt.robots.frontier.bodies import discs_of
 from multisrt.robots.frontier.driving import Driven, carry_out, drive, reason_to_end
 from multisrt.robots.frontier.goal import Goal, Place, length_of
@@ -58,10 +59,19 @@ def drive_by_option(robot: FrontierRobot, goal: Goal) -> Driven:
         left_m = length_of(path) + math.dist(robot.at[:2], path[0])
         if left_m < nearest_m - PROGRESS_M:
             nearest_m, since_s = left_m, robot.time_s
-        if left_m < NEAR_GOAL_M or robot.time_s > since_s + STUCK_S:
-            return (yield from drive(robot, goal))
-        held_s = yield from hold_command(robot, lead(robot, path, options.lookahead_m), options)
-        if held_s < MIN_HELD_S:
+        because: DiagramEnd | None = None
+        if left_m < NEAR_GOAL_M:
+            because = "near the goal"
+        elif robot.time_s > since_s + STUCK_S:
+            because = "no progress"
+        else:
+            towards = lead(robot, path, options.lookahead_m)
+            held_s = yield from hold_command(robot, towards, options)
+            # A command that a request cut short could be held.
+            if held_s < MIN_HELD_S and not robot.team.requests.any_pending:
+                because = "no command"
+        if because is not None:
+            yield Note(DiagramLeft(time_s=robot.time_s, robot=robot.me.robot, because=because))
             return (yield from drive(robot, goal))
 
 

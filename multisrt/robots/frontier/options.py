@@ -30,9 +30,12 @@ class FrontierOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
         Time between two scans while driving, in seconds.
     min_frontier_m : float or None
         Groups of frontier cells that are shorter than this are dropped; None: the body's width.
-    replan : {"news", "target"}
-        Whether a goal is chosen again whenever the map has changed, or only when the last one is
-        reached or nothing is left to be seen there.
+    replan : {"news", "target", "arrival"}
+        When a goal is chosen again: whenever the map has changed; when the last one is reached or
+        nothing is left to be seen there; or only when it is reached, or another robot sends a stop
+        signal (SBX-R). With "arrival" a robot drives on to a goal that is no frontier any more. In
+        all cases it also chooses again where its path turns out not to be free, and after it gave
+        way.
     replan_period_s : float
         Minimum time between two choices because of news, in seconds.
     reached : {"cell", "sight"}
@@ -44,8 +47,16 @@ class FrontierOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
     report_period_s : float
         Time after which a robot that drives reports its position, if it has reported nothing
         else, in seconds.
-    forget_after_s : float
-        A robot that has not been heard from for this long is no longer taken into account.
+    lost_after_s : float
+        A robot that has not been heard from for this long is taken as lost, in seconds. Until
+        then it is taken into account with its last known position and goal. A robot that is met
+        and does not answer is taken as lost at once. One that is heard again takes part again.
+    relay_for_s : float
+        Where the radio relays no messages, robots pass on the reports of others, if these have
+        been heard from for at most this long, in seconds.
+    body_stays_s : float
+        For about this long (half of it to one and a half times), in seconds, the body of a robot
+        that answers but does not leave counts as an obstacle.
     guard_m : float
         Distance between two bodies, in metres, at which the protective stop ends a motion.
     ask_period_s : float
@@ -87,12 +98,14 @@ class FrontierOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
     sense: Literal["moving", "targets"] = "moving"
     sense_period_s: float = 0.5
     min_frontier_m: float | None = None
-    replan: Literal["news", "target"] = "news"
+    replan: Literal["news", "target", "arrival"] = "news"
     replan_period_s: float = 1.0
     reached: Literal["cell", "sight"] = "cell"
     paths: Literal["march", "eedt"] = "march"
     report_period_s: float = 2.0
-    forget_after_s: float = 15.0
+    lost_after_s: float = 15.0
+    relay_for_s: float = 15.0
+    body_stays_s: float = 15.0
     guard_m: float = 0.1
     ask_period_s: float = 0.5
     pause_s: float = 2.0
@@ -111,7 +124,9 @@ class FrontierOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
             "sense_period_s",
             "replan_period_s",
             "report_period_s",
-            "forget_after_s",
+            "lost_after_s",
+            "relay_for_s",
+            "body_stays_s",
             "guard_m",
             "ask_period_s",
             "pause_s",
@@ -177,13 +192,13 @@ class UtilityOptions(BiddingOptions, frozen=True, kw_only=True, forbid_unknown_f
 
     Attributes
     ----------
-    replan : {"target", "news"}
-        As above; in the paper goals are reassigned whenever a robot needs one.
+    replan : {"target", "news", "arrival"}
+        As above; in the paper a robot asks for a goal when it needs one.
     beta : float
         Weight of the path length against the utility (Burgard et al.: beta).
     """
 
-    replan: Literal["news", "target"] = "target"
+    replan: Literal["news", "target", "arrival"] = "target"
     beta: float = 1.0
 
     def __post_init__(self) -> None:
@@ -196,8 +211,14 @@ class SelfBiddingOptions(BiddingOptions, frozen=True, kw_only=True, forbid_unkno
 
     Attributes
     ----------
-    replan : {"target", "news"}
-        As above; in the paper a robot decides at its target, or on a stop signal.
+    replan : {"arrival", "target", "news"}
+        As above; in the paper a robot decides at its target, or on a stop signal: "arrival".
+    lost_after_s : float
+        As above; in the paper a robot is left out only when it is broken. Silence does not tell
+        whether a robot is broken or out of range, so the default is longer than robots usually
+        stay apart: with 15 s those that part are no longer bound to each other.
+    stop_signals : bool
+        Whether robots send stop signals.
     reached : {"cell", "sight"}
         As above.
     paths : {"march", "eedt"}
@@ -210,9 +231,11 @@ class SelfBiddingOptions(BiddingOptions, frozen=True, kw_only=True, forbid_unkno
         As above.
     """
 
-    replan: Literal["news", "target"] = "target"
+    replan: Literal["news", "target", "arrival"] = "arrival"
     reached: Literal["cell", "sight"] = "sight"
     paths: Literal["march", "eedt"] = "eedt"
+    lost_after_s: float = 600.0
+    stop_signals: bool = True
     phi_factor: float = 0.9
     phi_step: float = 0.5
     drive: Literal["path", "nearness-diagram"] = "nearness-diagram"
@@ -225,6 +248,10 @@ class SelfBiddingOptions(BiddingOptions, frozen=True, kw_only=True, forbid_unkno
 
 class RulesOptions(FrontierOptions, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Parameters of `rules` (Álvarez): those of `FrontierOptions`, and of the rules.
+
+    The thesis has cells of 0.5 m, "almost the size of the robot", for the map as well as for goals
+    (`cell_m` and `search_cell_m`), goals that are swapped as by `exchange_when` = "nearer", a
+    Husky A200 at 0.1 m/s, and range finders of 4.5 m.
 
     Attributes
     ----------
@@ -241,6 +268,11 @@ class RulesOptions(FrontierOptions, frozen=True, kw_only=True, forbid_unknown_fi
         How far ahead, in metres, a robot looks for others to wait for; 0: it does not.
     exchange : bool
         Whether robots swap goals.
+    exchange_when : {"shorter", "nearer"}
+        When they do. "nearer": a robot takes the goal of another if the path to it is shorter than
+        to its own goal, and shorter than the other robot's path to it, whatever the other robot
+        gets in return (thesis: Algorithm 6). "shorter": the sum of the two paths must not grow
+        by more than `cell_m` either.
     random_goal_after : int
         Number of goals in a row that a robot could not drive to after which it goes to a random
         place.
@@ -256,6 +288,7 @@ class RulesOptions(FrontierOptions, frozen=True, kw_only=True, forbid_unknown_fi
     others_weight: float = 30.0
     conflict_radius_m: float = 1.5
     exchange: bool = True
+    exchange_when: Literal["shorter", "nearer"] = "shorter"
     random_goal_after: int = 3
     max_failures: int = 2
 

@@ -38,8 +38,8 @@ COMPLETE      No frontier is left that it can reach; the robot is done until it 
 
 What ends a state is an `Event`; `TRANSITIONS` says where it leads. Attempts that fail are counted,
 and the limits are options. Jams are counted while the robot stands at one place and its map stays
-the same (`Standstill`); waits while its map stays the same, wherever it moves; and where the last
-detour began no other one begins.
+the same (`Standstill`); waits while its map stays the same, wherever it moves; and where a detour
+began no other one begins while the map stays the same.
 
 ====================  ============================================================================
 `patience`            times a robot asks another to give way, in MEETING, before it takes the body
@@ -100,7 +100,7 @@ class Event(StrEnum):
     STOP_SIGNAL = "stop signal"
     """Another robot said that the goal is no longer a frontier."""
     ASSIGNED = "assigned"
-    """Another robot gave this one a goal, or wants one from it; or this one swapped goals."""
+    """Another robot took over the goal of this one, and gave it its own."""
     CALLED_ON = "called on"
     """The robot was done, and heard something new."""
 
@@ -214,7 +214,9 @@ class Progress:
         self._course = course
         self._raster = raster
         self._standstill = Standstill(course.at[:2], raster.revision)
-        self._detoured_at: Place | None = None
+        # Where detours began since the map last changed.
+        self._detoured_at: list[Place] = []
+        self._detoured_revision = raster.revision
         self._waits = 0
         self._waits_revision = raster.revision
         # When the last drive began, until what came of it is dealt with.
@@ -254,16 +256,22 @@ class Progress:
 
     def note_detour(self) -> None:
         """Record that a detour begins here."""
-        self._detoured_at = self._course.at[:2]
+        if self._detoured_revision != self._raster.revision:
+            self._detoured_at, self._detoured_revision = [], self._raster.revision
+        self._detoured_at.append(self._course.at[:2])
 
     @property
     def has_detoured(self) -> bool:
-        """Whether the last detour began here.
+        """Whether a detour began here since the map last changed, or the last one did.
 
-        So it does also for a robot that has come back since: the detour led it nowhere.
+        So it does also for a robot that has come back since: the detour led it nowhere. Robots
+        that stand in two doors would otherwise send it from one to the other forever.
         """
-        at = self._detoured_at
-        return at is not None and math.dist(at, self._course.at[:2]) <= MOVED_M
+        since = self._detoured_at
+        if self._detoured_revision != self._raster.revision:
+            since = since[-1:]
+        here = self._course.at[:2]
+        return any(math.dist(at, here) <= MOVED_M for at in since)
 
     def note_jam(self, other: int) -> None:
         """Count that another robot did not let this one pass, or could not be let pass."""

@@ -17,32 +17,24 @@ class Requests:
         The last request to give way.
     stop : bool
         Whether a stop signal came for the present goal.
-    goal : bool
-        Whether another robot asks this one, as the leader, for a goal.
     assignment : AssignmentMessage or None
-        The leader's last assignment.
+        The leader's answer to a robot that asked it for a goal.
 
     Examples
     --------
     >>> requests = Requests()
     >>> requests.any_pending
     False
-    >>> requests.goal = True
-    >>> requests.any_pending, requests.a_choice_is_due
-    (True, True)
+    >>> requests.stop = True
+    >>> requests.any_pending
+    True
     """
 
     give_way: GiveWayMessage | None = None
     stop: bool = False
-    goal: bool = False
     assignment: AssignmentMessage | None = None
-
-    @property
-    def a_choice_is_due(self) -> bool:
-        """Whether the robot is to choose a goal now: for others, or as its leader said."""
-        return self.goal or self.assignment is not None
 
     @property
     def any_pending(self) -> bool:
         """Whether there is a request for which a robot stops driving."""
-        return self.give_way is not None or self.stop or self.a_choice_is_due
+        return self.give_way is not None or self.stop

@@ -6,13 +6,18 @@ Self-Biddings under Constraints on Communication Range (SBX-R), section III. Dif
 - In the paper all path lengths and paths are EEDT's. Here the lengths a, and the paths that phi
   bounds, come from the fast march, straightened for the latter. With ``paths="eedt"``, the default,
   the robot then drives the path of EEDT, and rho is measured along that path.
-- Robots with nothing to do, and robots not heard from for `forget_after_s`, do not take part: they
-  have no row in the table of bids, and no goal or position of theirs holds the bridge.
+- Robots with nothing to do do not take part: they have no row in the table of bids, and no goal or
+  position of theirs holds the bridge. Nor do robots that are lost: that were met and did not
+  answer, or were not heard from for `lost_after_s`. In the paper only a robot that is broken is
+  left out, and nothing is said about how others know. Until then a robot out of range takes part
+  with its last known goal and position. Nobody waits for it: phi grows until a bid is finite.
 - Nodes are sent after every scan that changed the map; in Algorithm 1 a robot asks for maps when
   it decides. It still asks for goals then, and for the nodes that it lacks.
-- Stop signals are sent after a scan that added a node of the robot's own, once for each goal; in
-  Algorithm 1 at any time while it drives.
-- There is no stop signal to all at the end: each robot ends when it can reach no frontier.
+- Stop signals are sent after a scan that added a node of the robot's own, once for each goal, by
+  the robot that explored the goal; in Algorithm 1 at any time while it drives. The paper sends them
+  also where another robot has just chosen the same frontier, but its Algorithm 1 does not.
+- The robot that hears the last stop signal, to all, bids again, and is done if it knows no frontier
+  either.
 """
 
 from __future__ import annotations
@@ -27,7 +32,7 @@ import numpy as np
 from multisrt.geometry.grids.distance_field import DistanceField
 from multisrt.geometry.grids.grid_path import straightened
 from multisrt.geometry.numerics.arrays import FloatArray, IntArray
-from multisrt.geometry.numerics.distances import nearest_point, nearest_points
+from multisrt.geometry.numerics.distances import inside, nearest_point, nearest_points
 from multisrt.geometry.numerics.kernel import kernel
 from multisrt.planners.assignment.self_bidding import CohesionRadii, self_bidding
 from multisrt.robots.explorer import Action, Outcome, Send
@@ -234,15 +239,35 @@ def farthest_along(path: FloatArray, step_m: float, places: FloatArray) -> float
 
 
 def send_stop_signals(robot: FrontierRobot) -> Generator[Action, Outcome, None]:
-    """STOP SIGNAL: inform other robots when their goals are no longer frontiers.
+    """STOP SIGNAL: inform other robots when this one has explored their goals.
 
-    Called after every scan that added a node of the robot's own.
+    Called after every scan that added a node of the robot's own. A goal that ceased to be a
+    frontier out of sight was explored by its own robot, which drives on, or by a third, which
+    sends the signal itself.
     """
-    team = robot.team
-    for report in team.present():
-        goal = report.goal
-        if goal is None or team.told_to_stop.get(report.robot) == goal:
+    stops = robot.team.stops
+    if not cast(SelfBiddingOptions, robot.options).stop_signals:
+        return
+    for report in robot.team.present():
+        number, goal = report.robot, report.goal
+        if goal is None or stops.settled.get(number) == goal:
             continue
-        if robot.raster.is_known(*goal) and not robot.is_frontier(*goal):
-            team.told_to_stop[report.robot] = goal
-            yield Send(StopMessage(sender=robot.me.robot, goal=goal), report.robot)
+        if not robot.raster.is_known(*goal) or robot.is_frontier(*goal):
+            stops.open_goals[number] = goal
+            continue
+        was_open = stops.open_goals.get(number) == goal
+        stops.settled[number] = goal
+        if not was_open or inside(robot.map.boundary, *goal):
+            yield Send(StopMessage(sender=robot.me.robot, goal=goal), number)
+
+
+def send_last_stop_signal(robot: FrontierRobot) -> Generator[Action, Outcome, None]:
+    """STOP SIGNAL to all: this robot knows no frontier any more that it could reach.
+
+    Sent once after every goal that the robot had, not each time that it hears something new.
+    """
+    team, options = robot.team, cast(SelfBiddingOptions, robot.options)
+    if team.is_alone or not options.stop_signals or team.stops.ended_s >= robot.course.set_out_s:
+        return
+    team.stops.ended_s = robot.time_s
+    yield Send(StopMessage(sender=robot.me.robot))

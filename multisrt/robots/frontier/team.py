@@ -3,10 +3,20 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Generator
 from dataclasses import dataclass, field
 
 from multisrt.planners.navigation.right_of_way import Claim, leader_of
-from multisrt.robots.explorer import RobotSelf, Send, Steps
+from multisrt.robots.explorer import (
+    Action,
+    Outcome,
+    Receive,
+    RobotSelf,
+    Send,
+    Steps,
+    TimedOut,
+)
+from multisrt.robots.frontier.assignments import Assignments
 from multisrt.robots.frontier.bodies import Bodies
 from multisrt.robots.frontier.course import Course
 from multisrt.robots.frontier.frontiers import Frontiers
@@ -58,6 +68,25 @@ class SharedCells:
     tried: dict[Place, None] = field(default_factory=dict)
 
 
+@dataclass(slots=True)
+class StopSignals:
+    """The stop signals that a robot has sent (SBX-R).
+
+    Attributes
+    ----------
+    open_goals : dict of int to (x, y)
+        Goals of others that were frontiers when this robot last looked.
+    settled : dict of int to (x, y)
+        Goals of others that were explored, by this robot or another.
+    ended_s : float
+        When this robot told all others that it knows no frontier any more.
+    """
+
+    open_goals: dict[int, Place] = field(default_factory=dict)
+    settled: dict[int, Place] = field(default_factory=dict)
+    ended_s: float = -math.inf
+
+
 class Team(Listener):
     """Messages of one robot to its team, and from it.
 
@@ -90,8 +119,12 @@ class Team(Listener):
         When this robot last asked others to give way.
     reported_s : float
         When it last reported to all.
-    told_to_stop : dict of int to (x, y)
-        Self-bidding: the goals for which it sent stop signals.
+    assignments : Assignments
+        Utility: the goals that it has assigned to others as their leader.
+    answer : callable or None
+        Utility: answers a robot, given its number, that wants a goal from this one.
+    stops : StopSignals
+        Self-bidding: which stop signals it has sent.
     """
 
     ends_pauses_on_time = True
@@ -106,13 +139,15 @@ class Team(Listener):
         frontiers: Frontiers,
     ) -> None:
         super().__init__(course, me, map.entries, options.ask_period_s)
-        self.mates = Teammates(me.robot, options.forget_after_s)
+        self.mates = Teammates(me.robot, options.lost_after_s, options.relay_for_s)
         self.requests = Requests()
         self.cells = SharedCells()
         self.phase: Phase = "choosing"
         self.asked_s: dict[int, float] = {}
         self.reported_s = -math.inf
-        self.told_to_stop: dict[int, Place] = {}
+        self.assignments = Assignments(me.robot, self.period_s)
+        self.answer: Callable[[int], Steps] | None = None
+        self.stops = StopSignals()
         self._me = me
         self._course = course
         self._map = map
@@ -179,6 +214,16 @@ class Team(Listener):
             to,
         )
 
+    def await_assignment(self) -> Generator[Action, Outcome, AssignmentMessage | None]:
+        """Listen until the leader's assignment is heard, for at most the period of questions."""
+        until = self._course.time_s + self.period_s
+        while self.requests.assignment is None:
+            outcome = yield Receive(max(0.0, until - self._course.time_s))
+            yield from self.take(outcome)
+            if isinstance(outcome, TimedOut):
+                break
+        return self.requests.assignment
+
     def _merge(self, entries: tuple[Entry, ...]) -> tuple[NodeId, ...]:
         return self._map.merge(entries)
 
@@ -187,7 +232,7 @@ class Team(Listener):
         radio = self._me.radio
         if radio.multi_hop or radio.reaches_all:
             return ()
-        return tuple(self.present())
+        return tuple(self.mates.worth_relaying(self._course.time_s))
 
     def _take_message(self, message: Message) -> Steps:
         self.mates.heard_s[message.sender] = self._course.time_s
@@ -204,12 +249,9 @@ class Team(Listener):
                     self.requests.give_way = message
                 yield from self.report(to=message.sender)
             case StopMessage():
-                goal = self._course.goal
-                if goal is not None and math.dist(goal.place, message.goal) < SAME_GOAL_M:
-                    self.requests.stop = True
+                self._take_stop(message)
             case AssignmentMessage():
-                if self.number in dict(message.goals):
-                    self.requests.assignment = message
+                self.requests.assignment = message
             case InaccessibleMessage():
                 self._take_inaccessible(message)
             case SwapMessage():
@@ -221,12 +263,20 @@ class Team(Listener):
             self.mates.take(report)
         if message.entries:
             yield from self.learn(message.entries)
-        self.requests.goal |= message.wants_goal
+        if message.wants_goal and self.answer is not None:
+            yield from self.answer(message.sender)
         own = message.reports[0]
         if message.asks or self._owes_report(own):
             yield from self.report(to=message.sender)
         if own.have != self._entries.counts():
             yield from self._ask_for_missing(own.robot, own.have)
+
+    def _take_stop(self, message: StopMessage) -> None:
+        goal = self._course.goal
+        if goal is None:
+            return
+        if message.goal is None or math.dist(goal.place, message.goal) < SAME_GOAL_M:
+            self.requests.stop = True
 
     def _take_inaccessible(self, message: InaccessibleMessage) -> None:
         for cell in message.cells:

@@ -14,8 +14,10 @@ class Teammates:
     ----------
     number : int
         Number of the robot that keeps the reports.
-    forget_after_s : float
-        A robot not heard from for this long is no longer taken into account.
+    lost_after_s : float
+        A robot not heard from for this long is taken as lost.
+    relay_for_s : float
+        Reports of robots heard from in the last so many seconds are worth passing on.
 
     Attributes
     ----------
@@ -25,22 +27,34 @@ class Teammates:
         When each robot was last heard from.
     """
 
-    def __init__(self, number: int, forget_after_s: float) -> None:
+    def __init__(self, number: int, lost_after_s: float, relay_for_s: float) -> None:
         self._number = number
-        self._forget_after_s = forget_after_s
+        self._lost_after_s = lost_after_s
+        self._relay_for_s = relay_for_s
         self.reports: dict[int, RobotReport] = {}
         self.heard_s: dict[int, float] = {}
         self._deaf_since_s: dict[int, float] = {}
+        self._lost_since_s: dict[int, float] = {}
 
     def present(self, now_s: float) -> list[RobotReport]:
         """Return the reports of the robots to take into account, by number.
 
-        Robots that have nothing to do, and robots not heard from for too long, are left out.
+        Robots that have nothing to do are left out, and robots that are lost: those not heard from
+        for `lost_after_s`, and those noted as lost and not heard from since.
         """
+        return self._heard_within(self._lost_after_s, now_s)
+
+    def worth_relaying(self, now_s: float) -> list[RobotReport]:
+        """Return the reports to pass on to others, by number."""
+        return self._heard_within(min(self._relay_for_s, self._lost_after_s), now_s)
+
+    def _heard_within(self, seconds: float, now_s: float) -> list[RobotReport]:
         return [
             report
             for number, report in sorted(self.reports.items())
-            if report.phase != "idle" and self.heard_s[number] >= now_s - self._forget_after_s
+            if report.phase != "idle"
+            and self.heard_s[number] >= now_s - seconds
+            and not self.is_lost(number)
         ]
 
     def take(self, report: RobotReport) -> None:
@@ -53,6 +67,15 @@ class Teammates:
     def last_heard_s(self, robot: int) -> float:
         """Return when a robot was last heard from; ``-inf`` if never."""
         return self.heard_s.get(robot, -math.inf)
+
+    def note_lost(self, robot: int, now_s: float) -> None:
+        """Record that a robot was met that neither leaves nor answers."""
+        self._lost_since_s[robot] = now_s
+
+    def is_lost(self, robot: int) -> bool:
+        """Whether a robot has not been heard from since it was noted as lost."""
+        since_s = self._lost_since_s.get(robot)
+        return since_s is not None and self.last_heard_s(robot) <= since_s
 
     def note_deaf(self, robot: int, now_s: float) -> None:
         """Record that a robot did not answer."""

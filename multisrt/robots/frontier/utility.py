@@ -1,12 +1,17 @@
-"""UTILITY: a leader assigns frontiers to all robots in contact.
+"""UTILITY: a leader assigns frontiers to the robots in contact that need one.
 
 Source: Burgard, Moors, Stachniss and Schneider, Coordinated Multi-robot Exploration (2005), as
 the SBX-R paper compares with it. The leader is the robot of the lowest number among those in
-contact; a robot that hears nothing from its leader turns to the next.
+contact; a robot that hears nothing from its leader turns to the next. Differs in, where a robot
+asks for a goal: the leader answers at once and goes on, others keep the goals that they have, and
+these lower the utility of targets near them. Robots that need a goal at the same moment, as at the
+start, get theirs together, by the rule.
 """
 
 from __future__ import annotations
 
+import weakref
+from collections.abc import Collection, Generator
 from typing import Final, cast
 
 import numpy as np
@@ -16,12 +21,12 @@ from multisrt.geometry.grids.sight import in_sight
 from multisrt.geometry.numerics.arrays import BoolArray, FloatArray
 from multisrt.planners.assignment.closest import closest
 from multisrt.planners.assignment.costs import DenseCosts
-from multisrt.planners.assignment.utility import utility
-from multisrt.robots.explorer import Send
+from multisrt.planners.assignment.utility import UtilityAssignment, overlap, utility
+from multisrt.robots.explorer import Action, Outcome, Send, Steps
 from multisrt.robots.frontier.messages import AssignmentMessage
 from multisrt.robots.frontier.options import UtilityOptions
 from multisrt.robots.frontier.robot import FrontierRobot
-from multisrt.robots.frontier.wavefront_costs import full_table, own_costs
+from multisrt.robots.frontier.wavefront_costs import Table, own_costs
 from multisrt.robots.frontier.wavefront_rules import Choice, settle_on
 
 MAX_REQUESTS: Final = 3
@@ -29,85 +34,179 @@ MAX_REQUESTS: Final = 3
 
 
 def choose_utility(robot: FrontierRobot, because: str) -> Choice:
-    """Go where the leader says, or assign targets as the leader."""
+    """Go where the leader says, or choose as the leader."""
     team = robot.team
+    robot.set_goal(None)
     while True:
         leader = min(
             [robot.me.robot, *(r.robot for r in team.present() if not team.mates.is_deaf(r.robot))]
         )
         if leader == robot.me.robot:
-            return (yield from assign(robot, because))
-        for _ in range(MAX_REQUESTS):
-            if team.requests.assignment is not None:
-                break
-            yield from team.report(wants_goal=True, to=leader)
-            yield from team.pause(team.period_s)
-        assignment, team.requests.assignment = team.requests.assignment, None
+            return (yield from lead(robot, because))
+        assignment = yield from ask(robot, leader)
         if assignment is not None:
             return (yield from follow_assignment(robot, assignment, because))
         team.mates.note_deaf(leader, robot.time_s)
 
 
-def assign(robot: FrontierRobot, because: str) -> Choice:
-    """As the leader, assign targets to all robots, and go to this robot's own."""
-    options = cast(UtilityOptions, robot.options)
-    table = full_table(robot)
-    # An assignment by an earlier leader is void.
-    requests = robot.team.requests
-    requests.goal, requests.assignment = False, None
+def ask(robot: FrontierRobot, leader: int) -> Generator[Action, Outcome, AssignmentMessage | None]:
+    """Ask the leader for a goal; return None if it does not answer."""
+    for _ in range(MAX_REQUESTS):
+        robot.team.requests.assignment = None
+        yield from robot.team.report(wants_goal=True, to=leader)
+        assignment = yield from robot.team.await_assignment()
+        if assignment is not None:
+            return assignment
+    return None
+
+
+def lead(robot: FrontierRobot, because: str) -> Choice:
+    """As the leader, choose this robot's goal, with those of all that need one now."""
+    own, me = own_costs(robot), robot.me.robot
+    costs = {me: own.costs[0], **_costs_of(robot, _robots_without_goal(robot), own.targets)}
+    given = assign(robot, own.targets, costs)
+    robots = tuple(sorted(costs))
+    table = Table(
+        targets=own.targets,
+        robots=robots,
+        costs=given.costs,
+        field=own.field,
+        row=robots.index(me),
+    )
+    target = int(given.assignment[table.row])
+    rounds = tuple((robots[i], *rest) for i, *rest in given.rounds)
+    choice = target if target >= 0 else None
+    return (yield from settle_on(robot, table, choice, "utility", because, rounds=rounds))
+
+
+def answer_requests(robot: FrontierRobot) -> None:
+    """Let a robot answer, whatever it does meanwhile, those that take it for their leader."""
+    known = weakref.ref(robot)  # The parts of a robot hold no reference to it.
+
+    def answer(asker: int) -> Steps:
+        leader = known()
+        assert leader is not None
+        made, now_s = leader.team.assignments, leader.time_s
+        if not made.waits_for(asker, now_s):
+            targets = leader.targets()
+            needy = {asker, *_robots_without_goal(leader)}
+            assign(leader, targets, _costs_of(leader, sorted(needy), targets))
+        yield Send(made.send(asker, now_s), asker)
+
+    robot.team.answer = answer
+
+
+def _robots_without_goal(robot: FrontierRobot) -> list[int]:
+    """Return the other robots that said at this very moment that they have no goal."""
+    now_s = robot.time_s
+    return [
+        report.robot
+        for report in robot.team.present()
+        if report.time_s == now_s
+        and robot.team.assignments.goal_of(report.robot, now_s, report) is None
+    ]
+
+
+def _costs_of(
+    robot: FrontierRobot, others: list[int], targets: FloatArray
+) -> dict[int, FloatArray]:
+    """Return the costs of other robots to targets on this robot's map, ``(m,)`` metres each."""
+    reports, indices = robot.team.mates.reports, robot.indices_of(targets)
+    costs = {}
+    for number in others:
+        field = robot.field(*reports[number].place[:2])
+        costs[number] = np.full(len(targets), np.inf) if field is None else field.distance(indices)
+    return costs
+
+
+def assign(
+    robot: FrontierRobot, targets: FloatArray, costs: dict[int, FloatArray]
+) -> UtilityAssignment:
+    """Assign targets to robots, and keep the goals of the others for when they ask.
+
+    Parameters
+    ----------
+    robot : FrontierRobot
+        The leader.
+    targets : (m, 2) array
+        The targets in metres.
+    costs : dict of int to (m,) array
+        For each robot that needs a goal, its costs in metres.
+
+    Returns
+    -------
+    UtilityAssignment
+        With a row for each of them, by number.
+    """
+    options, robots = cast(UtilityOptions, robot.options), sorted(costs)
+    goals = _kept_goals(robot, set(robots))
+    lost = overlap(apart(goals, targets), in_view(robot, goals, targets), robot.me.range_m)
+    alone = len(robots) == 1
     given = utility(
-        table.costs,
-        apart(table.targets),
-        see_each_other(robot, table.targets),
+        np.array([costs[number] for number in robots]),
+        apart(targets, targets),
+        np.eye(len(targets), dtype=np.bool_) if alone else in_view(robot, targets, targets),
         robot.me.range_m,
         options.beta,
+        worth=1.0 - lost.sum(axis=0),
     )
-    targets = table.targets.tolist()
-    goals = tuple(
-        (number, tuple(targets[t]) if t >= 0 else None)
-        for number, t in zip(table.robots, given.assignment.tolist(), strict=True)
-    )
-    if not robot.team.is_alone:
-        yield Send(AssignmentMessage(sender=robot.me.robot, goals=goals))
-    own = int(given.assignment[table.row])
-    rounds = tuple((table.robots[i], *rest) for i, *rest in given.rounds)
-    choice = own if own >= 0 else None
-    return (yield from settle_on(robot, table, choice, "utility", because, rounds=rounds))
+    rounds = {robots[i]: rest for i, *rest in given.rounds}
+    for number in robots:
+        goal, worth, share = None, 0.0, 0.0
+        if number in rounds:
+            target, worth, share = rounds[number]
+            x, y = targets[int(target)].tolist()
+            goal = x, y
+        robot.team.assignments.add(
+            number,
+            AssignmentMessage(sender=robot.me.robot, goal=goal, utility=worth, share=share),
+            robot.time_s,
+        )
+    return given
+
+
+def _kept_goals(robot: FrontierRobot, needy: Collection[int]) -> FloatArray:
+    """Return the goals of the robots in contact but for those that need one, ``(k, 2)`` metres."""
+    team, now_s = robot.team, robot.time_s
+    goals = [] if robot.goal is None else [robot.goal.place]
+    for report in team.present():
+        goal = team.assignments.goal_of(report.robot, now_s, report)
+        if report.robot not in needy and goal is not None:
+            goals.append(goal)
+    return np.array(goals).reshape(-1, 2)
 
 
 def follow_assignment(robot: FrontierRobot, assignment: AssignmentMessage, because: str) -> Choice:
     """Go where the leader says, or to the nearest frontier if the own map has none there."""
-    robot.team.requests.goal = False
-    table = own_costs(robot)
-    place = dict(assignment.goals)[robot.me.robot]
+    table, place = own_costs(robot), assignment.goal
     choice = closest(DenseCosts(table.costs), table.row)
+    rounds: tuple[tuple[int, int, float, float], ...] = ()
     if place is not None and len(table.targets):
         gaps = np.hypot(*(table.targets - place).T)
         nearest = int(np.argmin(gaps))
         if gaps[nearest] <= robot.me.range_m and np.isfinite(table.costs[table.row, nearest]):
             choice = nearest
-    return (yield from settle_on(robot, table, choice, "utility", because))
+            rounds = ((robot.me.robot, nearest, assignment.utility, assignment.share),)
+    return (yield from settle_on(robot, table, choice, "utility", because, rounds=rounds))
 
 
-def apart(targets: FloatArray) -> FloatArray:
-    """Return the Euclidean distances between targets, ``(m, m)`` metres."""
-    gaps: FloatArray = np.hypot(*(targets[:, None] - targets[None]).transpose(2, 0, 1))
+def apart(places: FloatArray, targets: FloatArray) -> FloatArray:
+    """Return the Euclidean distances from places to targets, ``(k, m)`` metres."""
+    gaps: FloatArray = np.hypot(*(places[:, None] - targets[None]).transpose(2, 0, 1))
     return gaps
 
 
-def see_each_other(robot: FrontierRobot, targets: FloatArray) -> BoolArray:
-    """Return which targets are in sight of each other, ``(m, m)``; unknown cells hide nothing."""
-    count = len(targets)
-    seen = np.eye(count, dtype=np.bool_)
-    if count < 2:
+def in_view(robot: FrontierRobot, places: FloatArray, targets: FloatArray) -> BoolArray:
+    """Return which places and targets see each other, ``(k, m)``; unknown cells hide nothing."""
+    seen = np.ones((len(places), len(targets)), np.bool_)
+    mapped = [i for i, place in enumerate(places.tolist()) if robot.raster.is_known(*place)]
+    if not mapped or not len(targets):
         return seen
-    indices = robot.indices_of(targets)
-    low, high = indices.min(axis=0), indices.max(axis=0) + 1
+    sources, indices = robot.indices_of(places[mapped]), robot.indices_of(targets)
+    cells = np.vstack([sources, indices])
+    low, high = cells.min(axis=0), cells.max(axis=0) + 1
     open_cells = robot.raster.cells[low[0] : high[0], low[1] : high[1]] != OCCUPIED
-    rows, columns = (indices - low).T.tolist()
-    for i in range(count):
-        for j in range(i):
-            seen[i, j] = seen[j, i] = in_sight(
-                open_cells, columns[i] + 0.5, rows[i] + 0.5, columns[j], rows[j]
-            )
+    for i, (row, column) in zip(mapped, (sources - low).tolist(), strict=True):
+        for j, (to_row, to_column) in enumerate((indices - low).tolist()):
+            seen[i, j] = in_sight(open_cells, column + 0.5, row + 0.5, to_column, to_row)
     return seen

@@ -214,7 +214,8 @@ def _is_worth_it(robot: SrtRobot) -> bool:
     target = robot.journey.target
     if target is None or target.route[0] != robot.at.here:
         return False
-    if target.aim is not None and not robot.trees.may_extend(target.aim):
+    aim = target.aim
+    if aim is not None and (robot.is_without_place(aim) or not robot.trees.may_extend(aim)):
         return False
     hops = zip(target.route, target.route[1:], strict=False)
     return all(robot.routes.is_passable(a, b) for a, b in hops)

@@ -14,6 +14,7 @@ from multisrt.robots.messages import Message
 __all__ = [
     "EntriesMessage",
     "Key",
+    "NoPlaceMessage",
     "Order",
     "OrdersMessage",
     "Path",
@@ -137,6 +138,20 @@ class StateMessage(Message, frozen=True, kw_only=True):
     def wakes(self) -> bool:
         """Whether it is a question: those are answered during a motion, too."""
         return self.ask or bool(self.asked)
+
+
+class NoPlaceMessage(Message, frozen=True, kw_only=True):
+    """Says that the planner found no place at a node with a local frontier.
+
+    Attributes
+    ----------
+    node : NodeId
+        The node.
+    """
+
+    kind: ClassVar[str] = "no place"
+
+    node: NodeId
 
 
 class Order(msgspec.Struct, frozen=True, kw_only=True):

@@ -20,7 +20,7 @@ _POSITIVE = (
     "settle_s",
     "home_after_s",
 )
-_POSITIVE_IF_GIVEN = ("support_m", "silence_timeout_s")
+_POSITIVE_IF_GIVEN = ("support_m", "silence_timeout_s", "no_place_after")
 _AT_LEAST_ONE = (
     "max_waits",
     "max_new_targets",
@@ -49,6 +49,10 @@ class MultiSrtOptions(SrtOptions, frozen=True, kw_only=True, forbid_unknown_fiel
     select : {"closest_root", "most_recent"}
         Which of these trees is supported: the one whose root has the shortest path, or the
         one that was extended last.
+    no_place_after : int or None
+        Without the third stage of the planner (``complete=False``): number of times that robots
+        of the same body and drive have found no place at a node, after which none of them goes
+        there to support its tree; they tell one another. None: each tries for itself.
     take_over_after_s : float
         With a limited radio, time after which a robot that is done with its own tree takes over
         the frontier of a robot that it has not heard from.
@@ -109,6 +113,7 @@ class MultiSrtOptions(SrtOptions, frozen=True, kw_only=True, forbid_unknown_fiel
     support: bool = True
     support_m: float | None = None
     select: Literal["closest_root", "most_recent"] = "closest_root"
+    no_place_after: int | None = None
     take_over_after_s: float = 120.0
     ask_period_s: float = 0.5
     silence_timeout_s: float | None = None

@@ -69,6 +69,9 @@ class Planner:
         found = self._draw_or_approach(here, frontier, draws)
         if found is not None:
             return found
+        tells = robot.options.no_place_after is not None and not robot.options.complete
+        if tells and len(frontier) and not robot.obstacles:
+            yield from robot.team.tell_no_place(here)
         parent = robot.map[here].parent
         steps_back = robot.options.backtrack == "parent" and not self._completing
         if steps_back and parent is not None and here != robot.at.tree:
@@ -124,7 +127,12 @@ class Planner:
         supports = tree != robot.trees.root
         if robot.options.backtrack == "nearest_open" or (supports and not robot.options.complete):
             route = robot.routes.to_nearest(
-                here, lambda n: n not in drawn_out and robot.trees.may_extend(n)
+                here,
+                lambda n: (
+                    n not in drawn_out
+                    and not robot.is_without_place(n)
+                    and robot.trees.may_extend(n)
+                ),
             )
             if route is not None:
                 return "nearest_open", KnownNode(tuple(route), route[-1])

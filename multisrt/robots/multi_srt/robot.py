@@ -9,6 +9,7 @@ from multisrt.planners.motion.body import PlanningBody
 from multisrt.planners.srt import SrtPlanner
 from multisrt.robots.exploration_map import ExplorationMap
 from multisrt.robots.explorer import RobotSelf, Sighting
+from multisrt.robots.knowledge import NodeId
 from multisrt.robots.multi_srt.bypass import Bypass
 from multisrt.robots.multi_srt.deferred_arcs import DeferredArcs
 from multisrt.robots.multi_srt.journey import Journey
@@ -98,6 +99,13 @@ class SrtRobot:
     def has_unlimited_range(self) -> bool:
         """Whether distance does not limit its radio (paper: unlimited communication range)."""
         return math.isinf(self.me.radio.range_m)
+
+    def is_without_place(self, node: NodeId) -> bool:
+        """Whether robots like this one found no place at a node `no_place_after` times."""
+        after = self.options.no_place_after
+        if after is None or self.options.complete:
+            return False
+        return self.team.without_place[node] >= after
 
     def refuse(self, x: float, y: float) -> str | None:
         """Return why the robot cannot go straight to a candidate; None if it can."""

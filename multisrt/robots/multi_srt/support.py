@@ -8,6 +8,8 @@ Source: Multi-SRT, paper section 2, SUPPORT_OTHERS. Differs in:
   of that tree.
 - A tree that the robot has supported before is selected again only if its open frontier is longer
   than what the robot left then, or if a body that blocked the path to a part of it is gone.
+- With `no_place_after`, robots tell one another at which nodes they have found no place, and do
+  not go there in support any more.
 """
 
 from __future__ import annotations
@@ -18,6 +20,7 @@ from dataclasses import dataclass, field
 
 from multisrt.events import Supports
 from multisrt.geometry.numerics.kernel import FloatArray
+from multisrt.geometry.regions.frontier_arcs import total_length
 from multisrt.planners.srt import Draws
 from multisrt.robots.explorer import Action, Note, Outcome, Steps
 from multisrt.robots.knowledge import NodeId
@@ -145,9 +148,16 @@ def _choose(robot: SrtRobot, candidates: tuple[NodeId, ...]) -> NodeId | None:
 def open_frontier(robot: SrtRobot, root: NodeId) -> float:
     """OPEN_FRONTIER: total length in metres of the local frontiers of a tree's nodes.
 
-    Without the arcs that the robot leaves for later.
+    Without the arcs that the robot leaves for later, and, with `no_place_after`, without those of
+    nodes at which robots like it have found no place.
     """
-    return robot.deferred.open_m(root)
+    if robot.options.no_place_after is None or robot.options.complete:
+        return robot.deferred.open_m(root)
+    return math.fsum(
+        total_length(robot.deferred.frontier(node))
+        for node in robot.map.open_nodes(root)
+        if not robot.is_without_place(node)
+    )
 
 
 def active_robots(robot: SrtRobot, root: NodeId) -> int:

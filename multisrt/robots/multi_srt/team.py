@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -16,6 +17,7 @@ from multisrt.robots.multi_srt.groups import are_coupled, group_of
 from multisrt.robots.multi_srt.messages import (
     EntriesMessage,
     Key,
+    NoPlaceMessage,
     Order,
     OrdersMessage,
     Path,
@@ -64,6 +66,8 @@ class Team(Listener):
         What it reports of its present step.
     orders : OrdersMessage or None
         The newest orders of a master.
+    without_place : Counter of NodeId
+        How often robots of the same body and drive have found no place for a target at a node.
     """
 
     ends_pauses_on_time = False
@@ -82,6 +86,7 @@ class Team(Listener):
         self.roster = roster
         self.status = Status()
         self.orders: OrdersMessage | None = None
+        self.without_place: Counter[NodeId] = Counter()
         self._map = known
         self._said = 0
         self._told: tuple[int, int] = (0, 0)
@@ -211,6 +216,12 @@ class Team(Listener):
             to,
         )
 
+    def tell_no_place(self, node: NodeId) -> Steps:
+        """Tell the team that there was no place for a target at a node."""
+        self.without_place[node] += 1
+        if not self.is_alone:
+            yield Send(NoPlaceMessage(sender=self.number, node=node))
+
     def begin_step(self) -> Steps:
         """Tell that this robot is about to make a step; a robot that comes late asks everybody."""
         is_late = not self.roster.states and self.at.time_s > 0.0
@@ -260,11 +271,22 @@ class Team(Listener):
             case EntriesMessage():
                 self.roster.hear_from(message.sender)
                 yield from self.learn(message.entries)
+            case NoPlaceMessage():
+                self.roster.hear_from(message.sender)
+                if self._moves_like_me(message.sender):
+                    self.without_place[message.node] += 1
             case OrdersMessage():
                 self.roster.hear_from(message.sender)
                 concerns_me = message.order_for(self.number) is not None
                 if (self.number, self.status.step) in message.key and concerns_me:
                     self.orders = message
+
+    def _moves_like_me(self, number: int) -> bool:
+        state = self.roster.states.get(number)
+        return state is not None and (state.footprint, state.kinematics) == (
+            str(self.me.footprint),
+            self.me.kinematics,
+        )
 
     def _concerns_me(self, asker: RobotState) -> bool:
         return any(number == self.number for number, _ in asker.key) or are_coupled(

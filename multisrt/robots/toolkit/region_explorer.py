@@ -160,7 +160,7 @@ class RegionExplorer(ABC):
         -------
         list of Teammate
             Without those that have nothing to do, or were not heard from for
-            `options.forget_after_s`.
+            `options.lost_after_s`.
         """
         return [
             Teammate(robot=report.robot, place=Configuration(*report.place), goal=report.goal)

@@ -9,7 +9,8 @@ from scipy.ndimage import distance_transform_edt
 from shapely.geometry.base import BaseGeometry
 
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.geometry.grids.raster import OFFSET_X, OFFSET_Y, Raster, eroded, paint_polygon
+from multisrt.geometry.grids.polygon_fill import paint_polygon
+from multisrt.geometry.grids.raster import OFFSET_X, OFFSET_Y, Raster, eroded
 from multisrt.geometry.regions.visibility import visibility_polygon
 
 

@@ -82,7 +82,6 @@ def test_nothing_is_replaced_unless_asked_for(call, folder, run):
         (["out", "--out", "x.mcap", "--rate", "nan"], "the rate of poses is above 0"),
         (["out", "--out", "x.mcap", "--map-interval", "0"], "the interval of maps is from 0.01"),
         (["out", "--out", "x.mcap", "--cell", "-1"], "cells of maps are 0.001 to 1000 m wide"),
-        (["out"], "--out is missing"),
     ],
 )
 def test_export_refuses_bad_input(call, folder, run, words, named):

@@ -86,3 +86,76 @@ def test_a_folder_of_the_same_name_is_never_removed(tmp_path):
         with pytest.raises(InvalidInputError, match="not of a run"):
             write(tmp_path, force=force)
     assert (tmp_path / "unfinished" / "novel.txt").read_text() == "chapter 1"
+
+
+@pytest.mark.parametrize(
+    ("words", "name"),
+    [
+        (["view", "out", "--no-open"], "replay.html"),
+        (["animate", "out", "--duration", "1"], "animation.svg"),
+        (["figure", "coverage", "out/recording.jsonl"], "coverage.pdf"),
+        (["export", "out"], "run.mcap"),
+    ],
+)
+def test_files_made_of_a_run_are_written_to_its_folder(call, folder, words, name):
+    call("explore", "room.wkt", "--max-time", "5", "--out", "out", "--quiet")
+    assert call(*words, "--quiet") == (0, "", "")
+    assert (folder / "out" / name).is_file()
+    assert not (folder / name).exists()
+    code, _, err = call(*words)
+    assert (code, err) == (
+        2,
+        f"error: out/{name} exists already: name another file, or replace it with --force\n",
+    )
+    assert call(*words, "--force", "--quiet") == (0, "", "")
+
+
+def test_options_of_output_are_worded_alike(call):
+    def said(option, *command):
+        text = " ".join(call(*command, "--help")[1].partition(f"  {option}")[2].split())
+        return text[: text.index(" --")]
+
+    single = [said("--out", name) for name in ("animate", "export")]
+    several = [said("--out", name) for name in ("view", "figure")]
+    assert all(text.endswith("in the folder of the recording]") for text in single)
+    assert all(text.endswith("in the folder of the first recording]") for text in several)
+    commands = "animate", "export", "view", "figure"
+    assert {said("--force", name) for name in commands} == {"Replace FILE if it exists."}
+    for name in commands:
+        assert "--quiet" in call(name, "--help")[1]
+
+
+def test_force_removes_what_was_made_of_the_old_run(call, folder):
+    options = "room.wkt", "--max-time", "5", "--out", "out", "--quiet"
+    call("explore", *options)
+    for words in (["view", "out", "--no-open"], ["animate", "out"], ["export", "out"]):
+        assert call(*words, "--quiet")[0] == 0
+    (folder / "out" / "notes.txt").write_text("mine")
+    call("explore", *options, "--seed", "1", "--force")
+    assert sorted(path.name for path in (folder / "out").iterdir()) == [
+        *("notes.txt", "recording.jsonl", "run.json", "spec.toml", "tree.svg"),
+    ]
+
+
+def test_force_keeps_files_of_others_with_usual_names(call, folder):
+    options = "room.wkt", "--max-time", "5", "--out", "out", "--quiet"
+    call("explore", *options)
+    names = "replay.html", "animation.svg", "run.mcap"
+    for name in names:
+        (folder / "out" / name).write_text("<svg>mine")
+    call("explore", *options, "--force")
+    assert all((folder / "out" / name).read_text() == "<svg>mine" for name in names)
+
+
+def test_a_page_of_several_runs_goes_with_them(call, folder):
+    options = (
+        *("room.wkt", "--max-time", "5", "--out", "out", "--quiet", "--no-open"),
+        *("--strategy", "closest", "--strategy", "minpos"),
+    )
+    call("explore", *options, "--view")
+    assert (folder / "out/replay.html").exists()
+    call("explore", *options[:-5], "--force", *options[-4:])
+    assert not (folder / "out/replay.html").exists()
+    call("explore", *options, "--live")
+    call("explore", *options, "--live", "--force")
+    assert (folder / "out/replay.html").exists()

@@ -194,7 +194,7 @@ def test_an_explorer_that_raises_is_one_line(call: Call, folder: Path) -> None:
     code, out, err = call("explore", "boom.py:Boom", "--quiet")
     assert (code, out, err.count("\n")) == (2, "", 1)
     assert "it raised RuntimeError: boom (boom.py:6, in run: raise RuntimeError('boom'))" in err
-    assert "multisrt check FILE" in err
+    assert "see what 'multisrt check boom.py:Boom' says of it" in err
 
 
 # Folders, and other things in the place of a file -----------------------------------------------
@@ -241,7 +241,7 @@ def test_a_defect_names_the_line_and_the_checker(call: Call, folder: Path):
     assert code == 2
     assert "has time_s=9 at 0 s (late.py:" in err
     assert "also TimedOut" in err
-    assert err.endswith("next: multisrt check FILE\n")
+    assert err.endswith("next: multisrt check late.py:Mine\n")
 
 
 def test_a_check_that_is_piped_prints_no_progress(call: Call):

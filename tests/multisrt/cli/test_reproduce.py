@@ -67,13 +67,17 @@ def test_reproduce_writes_a_report_and_a_summary(reproduce, tmp_path):
     folder = tmp_path / "reproduced" / "alvarez-quick"
     assert code == 0
     assert "alvarez: 63 of 63 runs succeeded (63 complete)" in out
-    assert out.count("holds") == 5
+    # Success, and twice the robots; exponents are not the printed ones of these maps.
+    assert out.count("holds") == 3
+    assert out.startswith("63 runs, about ")
+    assert "an interrupted experiment continues with the same command" in out
     assert {path.name for path in folder.iterdir()} >= {"results.sqlite", "report", "summary.md"}
     assert "63 runs, 5 claims" in (folder / "report" / "index.html").read_text()
     assert "`multisrt reproduce alvarez --quick`" in (folder / "summary.md").read_text()
     # More repetitions go on in the same store, and so does a reference.
     code, out, _ = reproduce("alvarez", "--quick", "--seeds", "8", "--reference", "informed")
     assert "72 of 72 runs succeeded" in out
+    assert out.startswith("9 of 72 runs, about ")
     assert "--seeds 8 --reference informed`" in (folder / "summary.md").read_text()
 
 
@@ -130,3 +134,20 @@ def test_a_summary_of_something_else_is_not_replaced(reproduce, folder):
     assert (code, out) == (2, "")
     assert err.startswith("error: mine/summary.md exists already")
     assert [path.name for path in (folder / "mine").iterdir()] == ["summary.md"]
+
+
+def test_a_map_of_ones_own_takes_the_place_of_the_worlds(reproduce, folder):
+    (folder / "office.wkt").write_text("POLYGON ((0 0, 20 0, 20 12, 0 12, 0 0))")
+    words = ("sbx-r", "--quick", "--seeds", "1", "--map", "office.wkt")
+    assert reproduce(*words)[0] == 0
+    text = (folder / "reproduced" / "sbx-r-on-office-quick" / "summary.md").read_text()
+    assert "--map office.wkt --seeds 1`" in text
+    assert "World: the map office.wkt" in text
+    code, _, err = reproduce("sbx-r", "--map", "nowhere.wkt")
+    assert (code, "nowhere.wkt" in err) == (2, True)
+    code, _, err = reproduce("sbx-r", "--resolution", "0.05")
+    assert err.startswith("error: --resolution is for an image that --map names")
+    (folder / "broken.wkt").write_text("POLYGON ((0 0")
+    code, _, err = reproduce("sbx-r", "--quick", "--map", "broken.wkt")
+    assert (code, err.count("\n")) == (2, 1)
+    assert "broken.wkt" in err

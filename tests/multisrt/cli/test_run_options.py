@@ -101,3 +101,21 @@ def test_options_of_robots_that_differ(call):
 def test_options_not_given_have_the_defaults_of_the_specs(call):
     spec = spec_of(call, "room.wkt")
     assert spec == RunSpec(environment=FileEnvironment(path="room.wkt"))
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--robots", "2", "--radio-range", "-1"], "--radio-range is -1.0; it must be 0 or more"),
+        (["--robots", "2", "--loss", "2"], "--loss is 2.0; it must be from 0"),
+        (["--robots", "2", "--walls", "weaken"], "give --radio-range, or let walls pass"),
+        (["--speed", "0"], "--speed is a positive, finite number, not 0"),
+        (["--robot", "speed=0"], "--robot speed is a positive, finite number, not 0"),
+        (["--max-time", "0"], "--max-time is a positive time, not 0 s"),
+    ],
+)
+def test_errors_name_the_option_that_was_given(call, words, said):
+    code, out, err = call("explore", "room.wkt", *words)
+    assert (code, out) == (2, "")
+    assert err.startswith("error: ")
+    assert said in err

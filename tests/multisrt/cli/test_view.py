@@ -108,7 +108,7 @@ def test_too_many_runs_are_refused_before_they_are_made(call, folder):
 def test_view_refuses_bad_input(call, folder, opened, out, words, named):
     lines = (folder / "out/recording.jsonl").read_text().splitlines(keepends=True)
     (folder / "cut.jsonl").write_text("".join(lines[:-1]))
-    old = lines[0].replace('"format_version":4', '"format_version":2')
+    old = lines[0].replace('"format_version":5', '"format_version":2')
     (folder / "old.jsonl").write_text("".join([old, *lines[1:]]))
     before = everything(folder)
     code, printed, err = call("view", *words)

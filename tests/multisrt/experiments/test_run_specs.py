@@ -151,7 +151,7 @@ def test_given_starts_are_used_in_order():
         ),
         (
             {"faults": [{"label": "a", "faults": [{"fault": "death", "robot": 1, "time_s": 1}]}]},
-            "fault 1 (death of robot 1): there is no such robot; the 1 count from 0",
+            "fault 1 (death of robot 1): there is no such robot; the team has one robot, number 0",
         ),
         ({"bodies": ["disk:3"]}, "footprint 'disk:3' is not known; write disc:RADIUS"),
         (

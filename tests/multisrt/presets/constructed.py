@@ -113,7 +113,7 @@ def times(
     """Times that are shorter than those of closest by given percentages."""
 
     def values(at: Condition, repetition: int) -> dict[str, object]:
-        gain = {"closest": 0.0, "greedy": greedy, "minpos": best}[at.strategy]
+        gain = {"closest": 0.0, "greedy": greedy, "minpos": best}[at.strategy.split(",")[0]]
         percent = gain(at) if callable(gain) else gain
         # Most of the difference is that of the repetition's world, which pairs share.
         shared = Condition(environment=at.environment, strategy="", robots=1)

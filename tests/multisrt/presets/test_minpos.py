@@ -5,6 +5,8 @@ import pytest
 
 from multisrt.experiments.crossing import Condition
 from multisrt.presets import minpos
+from multisrt.presets.minpos_experiment import RULES, STEP_S, VARIANTS, experiment
+from multisrt.presets.minpos_gains import Ratios, Times, complete, gain, reaches
 from multisrt.statistics.intervals import Interval
 from tests.multisrt.presets.constructed import (
     claim_on,
@@ -14,7 +16,7 @@ from tests.multisrt.presets.constructed import (
     times,
 )
 
-FULL_MINPOS = minpos.experiment(False)
+FULL_MINPOS = experiment(False)
 QUICK_AT = Condition(environment="maze", strategy="", robots=2)
 
 
@@ -24,14 +26,14 @@ def test_figures_of_minpos_are_the_printed_ones():
     assert minpos.LARGEST_GAINS == {"hospital": 15.0, "maze": 20.0}
 
 
-def gain_of(ratios: minpos.Ratios) -> Interval:
-    gain = minpos.gain([ratios])
-    assert gain is not None
-    return gain
+def gain_of(ratios: Ratios) -> Interval:
+    found = gain([ratios])
+    assert found is not None
+    return found
 
 
 def test_gains_are_those_of_the_constructed_times():
-    of = minpos.Times(results_of(FULL_MINPOS, times(10.0, 20.0, spread=0.0)))
+    of = Times(results_of(FULL_MINPOS, times(10.0, 20.0, spread=0.0)))
     for strategy, percent in (("greedy", 10.0), ("minpos", 20.0)):
         found = gain_of(of.ratios("maze", 4, strategy, "closest"))
         assert [found.value, found.low, found.high] == pytest.approx([percent] * 3)
@@ -42,7 +44,7 @@ def test_gains_are_those_of_the_constructed_times():
 
 def test_claims_of_minpos_that_hold():
     def growing(at: Condition) -> float:
-        return (30.0 if at.environment == "maze" else 18.0) * at.robots / 12.0
+        return (40.0 if at.environment == "maze" else 24.0) * at.robots / 12.0
 
     found = minpos.claims(
         results_of(FULL_MINPOS, times(lambda at: 0.8 * growing(at), growing, spread=0.005))
@@ -51,7 +53,7 @@ def test_claims_of_minpos_that_hold():
         (claim.text for claim in found), "holds"
     )
     assert len(found) == 9
-    assert "12 robots" in claim_on(found, "In the maze").grounds[1]
+    assert "12 robots" in claim_on(found, "In the maze").grounds[2]
 
 
 def test_claims_of_minpos_that_do_not_hold():
@@ -71,7 +73,7 @@ def test_claims_of_minpos_that_do_not_hold():
 
 
 def test_claims_of_minpos_that_may_be_chance_or_are_not_tested():
-    wide = minpos.claims(results_of(minpos.experiment(True), times(5.0, 5.0, spread=0.9)))
+    wide = minpos.claims(results_of(experiment(True), times(5.0, 5.0, spread=0.9)))
     assert claim_on(wide, "On average minpos shortens").verdict == "not significant"
     assert claim_on(wide, "slightly faster").verdict == "not significant"
     assert claim_on(wide, "minpos is faster than closest").verdict == "not significant"
@@ -89,23 +91,23 @@ def test_pairs_of_which_one_failed_are_left_out_of_gains():
         lost = repetition < 3 and at.strategy == "minpos"
         return None if lost else times(10.0, 20.0, spread=0.0)(at, repetition)
 
-    of = minpos.Times(results_of(FULL_MINPOS, values))
+    of = Times(results_of(FULL_MINPOS, values))
     ratios = of.ratios("maze", 4, "minpos", "closest")
     assert [k for k in ratios if ratios[k] == math.inf] == [0, 1, 2]
-    assert len(minpos.complete(ratios)) == 17
+    assert len(complete(ratios)) == 37
     assert gain_of(ratios).value == pytest.approx(20.0)
     # The test counts them as lost.
     lower = of.compared("maze", 4, "minpos", "closest").lower
     assert [k for k in lower if math.isinf(lower[k])] == [0, 1, 2]
     table = minpos.gains(of)
-    assert table.rows[0][-1] == "20/17"
+    assert table.rows[0][-1] == "40/37"
     assert table.rows[-3] == ("paper: mean", "", "+8.0", "+12.0", "")
 
 
 def test_repetitions_are_drawn_in_all_conditions_together():
     # Twelve conditions that share their chance are no more evidence than one.
     ratios = {k: 0.1 * noise_of(QUICK_AT, k, "world") for k in range(20)}
-    alone, many = minpos.gain([ratios]), minpos.gain([ratios] * 12)
+    alone, many = gain([ratios]), gain([ratios] * 12)
     assert alone is not None
     assert many is not None
     assert [many.low, many.high] == pytest.approx([alone.low, alone.high])
@@ -123,4 +125,55 @@ def test_repetitions_are_drawn_in_all_conditions_together():
 )
 def test_when_a_gain_reaches_eight_percent(low, high, decision):
     found = Interval(value=0.5 * (low + high), low=low, high=high)
-    assert minpos.reaches(found, 8.0) == decision
+    assert reaches(found, 8.0) == decision
+
+
+def test_variants_are_shown_beside_the_experiment():
+    def values(at: Condition, repetition: int) -> dict[str, object]:
+        best = 12.0
+        for k, one in enumerate(VARIANTS):
+            best = 2.0 * k if one.rule(at) else best
+        return times(5.0, best, spread=0.0)(at, repetition)
+
+    results = results_of(FULL_MINPOS, values)
+    (table,) = minpos.variants(results)
+    assert [row[2].split()[0] for row in table.rows] == ["+12.0", "+0.0", "+2.0", "+4.0"]
+    assert {row[3] for row in table.rows} == {"40/40"}
+    # They do not count for the claims.
+    mean = claim_on(minpos.claims(results), "On average minpos shortens")
+    assert "ours: +12.0 %" in mean.grounds[0]
+    assert minpos.variants(results_of(experiment(True), times(8.0, 12.0))) == []
+
+
+def test_times_are_given_in_steps_as_well():
+    def values(at: Condition, repetition: int) -> dict[str, object]:
+        return {"known_complete_s": 100.0 * at.robots, "makespan_s": 1000.0}
+
+    table = minpos.times_table(Times(results_of(FULL_MINPOS, values)))
+    # 0.3 m at 0.5 m/s.
+    assert pytest.approx(0.6) == STEP_S
+    assert table.rows[0] == ("maze", "2", *["200 s, 333 steps"] * len(RULES))
+
+
+def test_gains_are_judged_by_all_cells_together():
+    of = Times(results_of(FULL_MINPOS, times(10.0, 20.0, spread=0.01)))
+    found = of.family_gain(of.places, "minpos", "closest")
+    assert found is not None
+    assert found.value == pytest.approx(20.0, abs=0.5)
+    assert found.low < 20.0 < found.high
+    claim = claim_on(minpos.claims(results_of(FULL_MINPOS, times(10.0, 20.0))), "minpos shortens")
+    assert "signed ranks of all cells together" in claim.grounds[0]
+    # Those who read that it does not hold, or holds, learn what would have been found.
+    assert "80 % would find a true gain of" in claim.grounds[1]
+    assert "geometric means" in claim.grounds[2]
+
+
+def test_a_failed_run_counts_as_the_slowest():
+    def values(at: Condition, repetition: int) -> dict[str, object] | None:
+        lost = repetition < 25 and at.strategy == "minpos"
+        return None if lost else times(10.0, 20.0)(at, repetition)
+
+    of = Times(results_of(FULL_MINPOS, values))
+    found = of.family_gain(of.places, "minpos", "closest")
+    assert found is not None
+    assert found.high < 0.0

@@ -1,26 +1,32 @@
+import dataclasses
+from pathlib import Path
+
 import msgspec
 import pytest
 
 from multisrt.experiments.crossing import PlannedRun, conditions, runs
-from multisrt.experiments.spec import ExperimentSpec
+from multisrt.experiments.spec import EnvironmentChoice, ExperimentSpec
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.presets import PRESETS, preset_named
-from multisrt.spec import CatalogEnvironment
+from multisrt.presets.sbx_r_settings import STRATEGIES
+from multisrt.spec import CatalogEnvironment, InlineEnvironment
+from tests.multisrt.presets.constructed import SOME, results_of
 
 
 # By hand. Multi-SRT: 2 worlds, 2 strategies; alone once, else 2 starts and 2 radios for each of 4
-# sizes (quick: 2). SBX-R: alone once, else 3 strategies, 3 radios, 4 sizes (1). MinPos: 2 worlds;
-# alone once, else 3 strategies and 6 sizes (2). Álvarez: 10 maps of 8 sizes (3 of 3).
+# sizes (quick: 2). SBX-R: alone once, else 3 strategies, 3 radios, 4 sizes (1), and 6 ablations.
+# MinPos: 2 worlds, 3 strategies and 4 sizes (2), and 3 variants of 3 strategies in one cell.
+# Álvarez: 10 maps of 8 sizes (3 of 3), and 3 variants of 4 sizes on one map.
 @pytest.mark.parametrize(
     ("name", "quick", "cells", "repetitions"),
     [
         ("multi-srt", False, 2 * 2 * (1 + 4 * 2 * 2), 20),
         ("multi-srt", True, 2 * 2 * (1 + 2 * 2 * 2), 10),
-        ("sbx-r", False, 1 + 3 * 3 * 4, 10),
+        ("sbx-r", False, 1 + 3 * 3 * 4 + 6, 31),
         ("sbx-r", True, 1 + 3 * 3 * 1, 6),
-        ("minpos", False, 2 * (1 + 3 * 6), 20),
-        ("minpos", True, 2 * (1 + 3 * 2), 8),
-        ("alvarez", False, 10 * 8, 10),
+        ("minpos", False, 2 * 3 * 4 + 3 * 3, 40),
+        ("minpos", True, 2 * 3 * 2, 8),
+        ("alvarez", False, 10 * 8 + 3 * 4, 20),
         ("alvarez", True, 3 * 3, 7),
     ],
 )
@@ -28,7 +34,7 @@ def test_an_experiment_has_the_runs_of_its_paper(name, quick, cells, repetitions
     spec = PRESETS[name].experiment(quick)
     assert len(conditions(spec)) == cells
     assert spec.repetitions == repetitions
-    assert {at.robots for at in conditions(spec)} >= {1}
+    assert min(at.robots for at in conditions(spec)) == (2 if name == "minpos" else 1)
 
 
 def two_runs_each(name: str, quick: bool = True) -> list[PlannedRun]:
@@ -65,8 +71,14 @@ def test_all_strategies_meet_the_same_worlds_and_starts():
 def test_conditions_are_those_of_the_papers():
     for run in two_runs_each("sbx-r"):
         spec = run.spec
-        at_targets = {"replan": "target"} if spec.strategy == "closest" else {}
-        assert spec.options == {"drive": "nearness-diagram", **at_targets}
+        equal = {
+            "replan": "arrival",
+            "reached": "sight",
+            "paths": "eedt",
+            "drive": "nearness-diagram",
+        }
+        own = {"lost_after_s": 14_400.0} if spec.strategy == "self-bidding" else {}
+        assert spec.options == equal | own
         assert spec.radio.range_m in (15.0, 20.0, 30.0)
         assert spec.starts == "clustered"
         assert spec.robots[0].start is not None
@@ -75,16 +87,89 @@ def test_conditions_are_those_of_the_papers():
         assert spec.robots[0].range_finder.range_m == 4.0
     for run in two_runs_each("minpos"):
         assert {robot.drive.kind for robot in run.spec.robots} == {"holonomic"}
+        assert {robot.footprint for robot in run.spec.robots} == {"disc:0.2"}
+        assert run.spec.options["cell_m"] == 0.3
         assert run.spec.radio.range_m is None
     for run in two_runs_each("alvarez"):
         assert run.spec.strategy == "rules"
         assert run.spec.starts == "scattered"
         assert {robot.range_finder.range_m for robot in run.spec.robots} == {4.5}
+        assert {robot.drive.speed_m_s for robot in run.spec.robots} == {0.1}
+        assert {robot.footprint for robot in run.spec.robots} == {"disc:0.335"}
+        assert run.spec.options["cell_m"] == run.spec.options["search_cell_m"] == 0.5
+        assert run.spec.options["exchange_when"] == "nearer"
     for run in two_runs_each("multi-srt"):
         assert all(robot.start is None for robot in run.spec.robots)
+
+
+def test_ablations_change_what_they_name():
+    spec = PRESETS["sbx-r"].experiment(False)
+    base = {choice.name: choice.options for choice in STRATEGIES}
+    assert spec.strategies == STRATEGIES
+    ablated = [run.spec for run in runs(msgspec.structs.replace(spec, repetitions=1))]
+    changed = [
+        {name for name, value in own.options.items() if base[own.strategy].get(name) != value}
+        for own in ablated
+        if own.options != base[own.strategy]
+    ]
+    assert sorted(map(sorted, changed)) == sorted(
+        [["lost_after_s"], ["stop_signals"], ["replan"]] + [["paths", "reached"]] * 3
+    )
+
+
+def test_a_preset_takes_another_map(tmp_path):
+    path = tmp_path / "hall.wkt"
+    path.write_text("POLYGON ((0 0, 20 0, 20 12, 0 12, 0 0))")
+    preset = PRESETS["sbx-r"].with_map(path)
+    for quick in (False, True):
+        spec = preset.experiment(quick)
+        assert {at.environment for at in conditions(spec)} == {"hall"}
+        own = PRESETS["sbx-r"].experiment(quick)
+        assert len(conditions(spec)) == len(conditions(own))
+        assert spec.name == f"{own.name} on hall"
+    (world,) = {run.spec.environment for run in runs(preset.experiment(True))}
+    assert isinstance(world, InlineEnvironment)
+    assert world.name == "hall"
+    assert preset.deviations[0] == "World: the map hall.wkt, not that of the paper."
+    assert sum(text.startswith("World:") for text in preset.deviations) == 1
+    other = dataclasses.replace(preset, on_map=None)
+    with pytest.raises(InvalidInputError, match="cannot be run on another map; leave out --map"):
+        other.with_map(path)
 
 
 def test_presets_have_names():
     assert {name: preset.name for name, preset in PRESETS.items()} == {n: n for n in PRESETS}
     with pytest.raises(InvalidInputError, match="did you mean 'sbx-r'"):
         preset_named("sbxr")
+
+
+@pytest.mark.parametrize(
+    ("name", "label", "worlds"), [("minpos", "hospital", 2), ("alvarez", "floor", 1)]
+)
+def test_a_map_stands_for_the_hospital_or_for_all_maps(name, label, worlds):
+    preset = PRESETS[name]
+    with_map = preset.with_map(Path("plans/floor.wkt"))
+    given = with_map.experiment(False)
+    chosen = [one for one in given.environments if isinstance(one, EnvironmentChoice)]
+    (choice,) = [one for one in chosen if one.label == label]
+    assert choice.name == "plans/floor.wkt"
+    assert len({at.environment for at in conditions(given)}) == worlds
+    # The same team sizes as in the experiment.
+    sizes = {at.robots for at in conditions(preset.experiment(False))}
+    assert {at.robots for at in conditions(given) if at.environment == label} == sizes
+    assert any("the map floor.wkt" in text for text in with_map.deviations)
+    assert not any("generated hospital" in text for text in with_map.deviations)
+
+
+def test_claims_are_judged_on_a_map_of_ones_own():
+    by_name = {name: PRESETS[name].with_map(Path("floor.wkt")) for name in ("minpos", "alvarez")}
+    verdicts = {
+        name: [
+            claim.verdict
+            for claim in preset.claims(results_of(preset.experiment(False), SOME[name]))
+        ]
+        for name, preset in by_name.items()
+    }
+    assert "not tested" not in verdicts["minpos"]
+    # The thesis prints no exponents for this map.
+    assert [k for k, verdict in enumerate(verdicts["alvarez"]) if verdict == "not tested"] == [1, 2]

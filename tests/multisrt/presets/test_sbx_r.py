@@ -5,6 +5,7 @@ import pytest
 
 from multisrt.presets import sbx_r
 from multisrt.presets.cells import Cells
+from multisrt.presets.sbx_r_settings import ABLATIONS, ablations, diagram_table
 from multisrt.presets.sbx_r_tables import PAPER
 from tests.multisrt.presets.constructed import bidding, claim_on, no_results, results_of
 
@@ -110,3 +111,33 @@ def test_marks_beside_those_of_the_paper():
 def test_too_few_runs_have_no_marks():
     few = results_of(msgspec.structs.replace(FULL_SBX, repetitions=3), bidding(lambda at: 0.1))
     assert set(sbx_r.marks(Cells(few), PAPER[0]).values()) == {""}
+
+
+def test_ablations_stand_below_the_strategy_that_they_change():
+    def values(at, repetition):
+        return {"isolated_total_s": 100.0 if "forgets" in at.strategy else 10.0 + repetition}
+
+    spec = msgspec.structs.replace(FULL_SBX, repetitions=3)
+    table = ablations(Cells(results_of(spec, values)))
+    labels = [row[0] for row in table.rows]
+    assert labels[0] == "self-bidding, as in the tables"
+    assert labels[1] == "self-bidding, forgets after 15 s"
+    assert len(labels) == 3 + len(ABLATIONS)
+    assert [row[1:3] for row in table.rows[:2]] == [("3", "11.0"), ("3", "100.0")]
+    assert ablations(Cells(no_results(spec))).rows == ()
+
+
+def test_the_nearness_diagram_is_left_so_often_in_100_m():
+    def values(at, repetition):
+        left = {"no progress": 2, "no command": 1} if at.strategy == "utility" else {}
+        return {"diagram_left": left, "total_distance_m": 50.0}
+
+    table = diagram_table(
+        Cells(results_of(msgspec.structs.replace(FULL_SBX, repetitions=2), values))
+    )
+    assert table.columns == ("strategy", "no progress", "no command", "near the goal")
+    assert table.rows == (
+        ("closest", "0.0", "0.0", "0.0"),
+        ("utility", "4.0", "2.0", "0.0"),
+        ("self-bidding", "0.0", "0.0", "0.0"),
+    )

@@ -268,14 +268,15 @@ def test_another_format_or_version(tmp_path, lines):
     with pytest.raises(InvalidInputError, match="no header"):
         load(tmp_path, [changed(lines[0], format="music")], lines[1:])
     for version in (2, 99):
-        told = f"version {version}; this program reads 3 and 4: repeat the run"
+        told = f"version {version}; this program reads 3, 4, 5: repeat the run"
         with pytest.raises(InvalidInputError, match=told):
             load(tmp_path, [changed(lines[0], format_version=version)], lines[1:])
 
 
-def test_the_version_before_is_read(tmp_path, lines):
-    older = load(tmp_path, [changed(lines[0], format_version=3)], lines[1:])
-    assert older.header.format_version == 3
+@pytest.mark.parametrize("version", [3, 4])
+def test_versions_before_are_read(tmp_path, lines, version):
+    older = load(tmp_path, [changed(lines[0], format_version=version)], lines[1:])
+    assert older.header.format_version == version
     assert older.events == load(tmp_path, lines).events
 
 

@@ -71,6 +71,8 @@ def files(tmp_path_factory, team_run, bidding_run):
     save_replay([team_run.recording, bidding_run.recording], folder / "both.html")
     save_replay(bidding_run.recording, folder / "bids.html")
     save_replay(staged(), folder / "staged.html")
+    save_replay([team_run.recording, bidding_run.recording, staged()], folder / "three.html")
+    save_replay([staged()] * 4, folder / "four.html")
     return folder
 
 
@@ -441,6 +443,41 @@ def test_two_runs_stand_side_by_side_on_one_clock(shown, team_run, bidding_run):
     assert page.text("#why").startswith("Robot 1 at 30.00 s: it last chose a goal")
     page.page.keyboard.press("End")
     assert page.page.locator(".view.chosen .name").text_content().startswith("minpos")
+
+
+@pytest.mark.parametrize(("name", "count"), [("three", 3), ("four", 4)])
+def test_three_and_four_runs_stand_side_by_side(shown, name, count):
+    page = shown(name, "#t=12")
+    boxes = page.page.locator(".view").evaluate_all(
+        "(all) => all.map((one) => one.getBoundingClientRect().toJSON())"
+    )
+    assert len(boxes) == count
+    assert min(box["height"] for box in boxes) > 150
+    for k, box in enumerate(boxes):
+        for other in boxes[:k]:
+            beside = box["left"] >= other["right"] or box["right"] <= other["left"]
+            assert beside or box["top"] >= other["bottom"]
+    assert page.page.locator(".strip").count() == count
+    assert page.page.locator("#curves .keys li").count() == count
+    # Layers of groups are on here, too.
+    assert page.value("replay.player.layers.has('groups')")
+    for number in range(count):
+        page.page.locator(".view .top").nth(number).click(position={"x": 5, "y": 60})
+        assert page.value("replay.player.run") == number
+        assert page.page.locator(".view.chosen").count() == 1
+
+
+def test_activities_can_be_told_apart_without_colours(shown):
+    page = shown("staged")
+    looks = page.page.locator("#strips .keys canvas").evaluate_all(
+        """(all) => all.map((canvas) => {
+            const { data } = canvas.getContext("2d").getImageData(0, 0, 64, 28);
+            return Array.from({ length: 64 * 28 }, (_, k) => (data[4 * k + 3] > 127 ? 1 : 0)
+              + (data[4 * k] > 250 && data[4 * k + 1] > 250 ? 1 : 0)).join("");
+        })"""
+    )
+    names = page.page.locator("#strips .keys li").all_text_contents()
+    assert len(set(looks)) == len(looks) == len(names) == 8
 
 
 def test_an_address_is_followed_and_kept(shown):

@@ -22,6 +22,7 @@ from multisrt.experiments.results import Result, Results
 from multisrt.experiments.spec import ExperimentSpec
 from multisrt.reporting import figures, overall_figures
 from multisrt.reporting.study import Study
+from multisrt.reporting.style import headline
 
 TIME, COVERAGE = measure_named("known_complete_s"), measure_named("coverage")
 TIMES: dict[tuple[str, int], list[float | None]] = {
@@ -161,3 +162,11 @@ def test_rates_of_success_are_over_all_settings(study, axes_of):
     assert "near: 1.00" in alt
     assert f"far: {10 / 11:.2f}" in alt
     assert [label.get_text() for label in axes.get_yticklabels()] == ["near", "far"]
+
+
+def test_a_long_headline_is_written_whole_and_makes_room():
+    figure = Figure(figsize=(4.2, 2.0))
+    text = "Time until a robot knows the map complete, against srt-star"
+    headline(figure.add_subplot(), text)
+    assert figure.get_suptitle().replace("\n", " ") == text
+    assert figure.get_figheight() > 2.0

@@ -1,6 +1,7 @@
 """Nobody wins by ending, and nobody is judged by what it says of itself."""
 
 import math
+import re
 
 import msgspec
 import numpy as np
@@ -127,7 +128,10 @@ def test_it_is_behind_in_every_rank_and_probability(study, monkeypatch):
     monkeypatch.setattr(overall_figures, "drawn", kept)
     for name in ("time_to_95_s", "makespan_s", "total_distance_m", *INTEGRALS):
         overall_figures.improvement(study, measure_named(name))
-        assert "once: 0.00 (0.00 to 0.00)" in alts[f"improvement-{name.replace('_', '-')}"]
+        # No run of it wins, which few runs cannot show to be always so.
+        told = alts[f"improvement-{name.replace('_', '-')}"]
+        assert (found_ := re.search(r"once: 0\.00 \(0\.00 to (0\.\d\d)\)", told)), told
+        assert 0.1 < float(found_[1]) < 0.5
     overall_figures.profiles(study)
     lines = {line.get_label(): line for line in found["profiles-0"].lines}
     assert np.max(np.asarray(lines["once"].get_ydata())) == 0.0

@@ -56,12 +56,14 @@ def swept(*places) -> Sweep:
 @pytest.mark.parametrize(
     ("start", "end", "conflicts"),
     [
-        # Bodies far apart keep 0.12 m; those 50 mm apart keep 37.5 mm.
+        # Bodies far apart keep 120 mm; those 50 mm apart keep 37.5 mm, those 30 mm apart 27.5 mm.
         ((0.0, 0.0), (1.37, 0.0), False),
         ((0.0, 0.0), (1.39, 0.0), True),
         ((1.45, 0.0), (1.46, 0.0), False),
         ((1.45, 0.0), (1.47, 0.0), True),
         ((1.45, 0.0), (0.0, 0.0), False),
+        ((1.47, 0.0), (1.4724, 0.0), False),
+        ((1.47, 0.0), (1.4726, 0.0), True),
     ],
 )
 def test_paths_conflict_where_they_come_too_near(start, end, conflicts):

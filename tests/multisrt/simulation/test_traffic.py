@@ -297,6 +297,14 @@ def sampled_distance(body_a, poses_a, body_b, poses_b):
     return np.maximum(0.0, shapely.distance(shapes_a, shapes_b) - radius_a - radius_b)
 
 
+def stopping_distance(at_first, guard):
+    """Distance at which a motion ends: the guard; for a body within it, half of the distance.
+
+    But a quarter of the guard where half would be less; and no less than such a body has left.
+    """
+    return guard if at_first > guard else max(at_first / 2, min(0.999 * at_first, guard / 4))
+
+
 @pytest.mark.slow
 @settings(max_examples=35)
 @given(
@@ -321,9 +329,7 @@ def test_encounters_agree_with_sampling(seed, name_a, name_b, guard):
     poses_a = [way_a.at(time - begin_a) for time in times]
     poses_b = [way_b.at(time - begin_b) for time in times]
     distance = sampled_distance(bodies[0], poses_a, bodies[1], poses_b)
-    threshold = 0.0 if guard is None else guard
-    if distance[0] <= threshold:
-        threshold = max(distance[0] / 2, min(0.999 * distance[0], guard / 4))
+    threshold = 0.0 if guard is None else stopping_distance(distance[0], guard)
     # An approach by less than half a millimetre may be missed.
     slack = min(5e-4, 0.2 * threshold) if threshold else 5e-4
     if threshold == 0.0:
@@ -375,7 +381,7 @@ def test_hidden_bodies_do_not_stop_a_motion(seed):
     a = np.array([way_a.at(time)[:2] for time in times])
     b = np.array([way_b.at(time)[:2] for time in times])
     distance = np.hypot(*(a - b).T) - 0.1
-    threshold = 1.0 if distance[0] > 1.0 else distance[0] / 2
+    threshold = stopping_distance(distance[0], 1.0)
     between = shapely.linestrings(np.stack([a, b], axis=1))
     seen = shapely.length(shapely.intersection(between, solid)) < 1e-9
     # Sight for less time than between two checks may be missed.
@@ -388,7 +394,9 @@ def test_hidden_bodies_do_not_stop_a_motion(seed):
     if event is not None and event.kind == "guard":
         # To within the rounding of the corners of the world, a nanometre.
         wide = shapely.LineString([a[-1], b[-1]]).intersection(solid)
-        assert wide.length < 1e-3 or seen[max(0, len(seen) - 3) :].any()
+        # Paths here lead through walls; sight is defined between points of free space only.
+        is_in_wall = shapely.intersects_xy(solid, *np.transpose([a[-1], b[-1]])).any()
+        assert is_in_wall or wide.length < 1e-3 or seen[max(0, len(seen) - 3) :].any()
         assert 0.0 < distance[-1] <= threshold + 1e-5
 
 

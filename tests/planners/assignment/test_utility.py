@@ -1,3 +1,5 @@
+import math
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -5,7 +7,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.planners.assignment.utility import utility
+from multisrt.planners.assignment.utility import overlap, utility
 
 INF = np.inf
 
@@ -121,9 +123,21 @@ def test_order_of_robots_and_targets_does_not_matter(situation, random):
         ({"visible": np.ones((2, 2), bool)}, "visible has the shape"),
         ({"sensor_range_m": 0.0}, "sensor_range_m is 0.0; it must be positive"),
         ({"beta": -1.0}, "beta is -1.0; it must be 0 or more"),
+        ({"worth": [1.0, 1.0]}, "worth must have a finite utility for each of 1 targets"),
+        ({"worth": [math.nan]}, "worth must have a finite utility"),
     ],
 )
 def test_invalid_input_is_rejected(change, message):
     good = {"costs": [[1.0]], "between": [[0.0]], "visible": [[True]], "sensor_range_m": 4.0}
     with pytest.raises(InvalidInputError, match=message):
         utility(**(good | change))
+
+
+def test_goals_that_others_keep_lower_the_utility():
+    costs, between, visible = [[2.0, 3.0]], np.zeros((2, 2)), np.ones((2, 2), bool)
+    assert utility(costs, between, visible, 4.0).assignment.tolist() == [0]
+    lost = overlap([[0.0, 6.0]], [[True, True]], 4.0).sum(axis=0)
+    assert lost.tolist() == [1.0, 0.25]
+    given = utility(costs, between, visible, 4.0, worth=1.0 - lost)
+    assert given.assignment.tolist() == [1]
+    assert given.rounds == ((0, 1, 0.75, 1.0),)

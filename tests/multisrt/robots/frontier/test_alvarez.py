@@ -323,6 +323,17 @@ def test_without_exchange_goals_stay(acts_of):
     assert acts_of(Rules().swaps(left)) == ([], False)
 
 
+@pytest.mark.parametrize(("when", "swaps"), [("shorter", False), ("nearer", True)])
+def test_a_swap_at_the_other_robots_expense_is_an_option(when, swaps, acts_of):
+    # The left robot has 4.25 m to its own goal, and 3.25 m to that of the right one, which has
+    # 4.75 m to it and would get a path of 12.25 m in return.
+    left = robot_in(HALL, 10, 5, team=2, seen_from=[(14, 5), (18, 5)], exchange_when=when)
+    right = robot_in(HALL, 18, 5, number=1, team=2)
+    tell(left, report_of(right, aim=(13.25, 5.25)))
+    left.team.cells.aim = (5.75, 5.25)
+    assert acts_of(Rules().swaps(left))[1] is swaps
+
+
 # The right of way ------------------------------------------------------------------------------
 
 

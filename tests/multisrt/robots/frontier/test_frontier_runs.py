@@ -2,6 +2,8 @@
 
 import dataclasses
 import math
+from collections import Counter
+from typing import get_args
 
 import pytest
 import shapely
@@ -9,7 +11,17 @@ import shapely
 from multisrt.analysis.measuring import measure
 from multisrt.environments.catalog import environment
 from multisrt.environments.environment import Environment
-from multisrt.events import Collision, Ended, GoalChosen, MapComplete, Motion, NodeAdded
+from multisrt.events import (
+    Collision,
+    DiagramEnd,
+    DiagramLeft,
+    Ended,
+    GoalChosen,
+    MapComplete,
+    Motion,
+    NodeAdded,
+    Sent,
+)
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.robots import registry
 from multisrt.robots.explorer import Done, Receive, Received, Send
@@ -206,6 +218,34 @@ def test_goals_are_chosen_anew_on_news_only_with_that_option(replan, chosen_anew
     assert any(e.because == "news" for e in events(run, GoalChosen)) is chosen_anew
 
 
+@pytest.mark.parametrize("name", ["closest", "minpos", "utility", "self-bidding"])
+def test_with_arrival_goals_are_chosen_at_goals(name):
+    options = {"replan": "arrival", "reached": "sight", "drive": "path"}
+    early, late = (
+        simulated(name, 2, options=options | {"replan": replan}, seed=1)
+        for replan in ("target", "arrival")
+    )
+    for run in (early, late):
+        assert run.footer.outcome == "complete"
+        assert measure(run, TWO_ROOMS).coverage > 0.98
+    before, reasons = ([e.because for e in events(run, GoalChosen)] for run in (early, late))
+    # A goal in what turned out to be a wall cannot be reached: the drive ends before it.
+    assert reasons.count("nothing left") < before.count("nothing left") / 3
+    assert reasons.count("reached") > reasons.count("nothing left")
+    assert ("stop signal" in reasons) <= (name == "self-bidding")
+
+
+def test_a_robot_with_a_goal_keeps_it_when_another_asks_the_leader():
+    run = simulated("utility", 3, seed=1)
+    assert run.footer.outcome == "complete"
+    assert not any(e.because == "assigned" for e in events(run, GoalChosen))
+    assert measure(run, TWO_ROOMS).messages_by_kind["assignment"] > 3
+    # The leader answers at the very moment.
+    asked = [e for e in events(run, Sent) if e.kind == "assignment"]
+    chosen = {(e.robot, e.time_s) for e in events(run, GoalChosen) if e.robot != 0}
+    assert all(any((robot, e.time_s) in chosen for robot in e.reached) for e in asked)
+
+
 @pytest.mark.parametrize("name", FAMILY)
 def test_cells_wider_than_the_body_are_refused(name):
     options = {"cell_m": 0.51, "search_cell_m": 1.0} if name == "rules" else {"cell_m": 0.51}
@@ -265,6 +305,10 @@ def test_all_that_bid_can_drive_by_the_diagram(name):
     for recording in (paths, diagram):
         assert recording.footer.outcome == "complete"
         assert not events(recording, Collision)
+    assert not events(paths, DiagramLeft)
+    left = Counter(e.because for e in events(diagram, DiagramLeft))
+    assert measure(diagram, PLAZA).diagram_left == dict(left)
+    assert set(left) <= set(get_args(DiagramEnd))
     # It drives in arcs, and slows down near walls.
     assert diagram.footer.time_s > paths.footer.time_s
     assert len(events(diagram, Motion)) > len(events(paths, Motion))

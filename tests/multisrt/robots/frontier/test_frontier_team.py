@@ -4,6 +4,7 @@ import itertools
 import math
 from functools import partial
 
+import msgspec
 import numpy as np
 import pytest
 import shapely
@@ -21,21 +22,31 @@ from multisrt.planners.assignment.greedy import greedy
 from multisrt.planners.assignment.minpos import minpos
 from multisrt.planners.motion.kinematics import Differential
 from multisrt.robots.explorer import Note, RobotSelf, Send, Sighting
+from multisrt.robots.frontier.assignments import Assignments
+from multisrt.robots.frontier.driving import reason_to_end
 from multisrt.robots.frontier.explore import FrontierExplorer
 from multisrt.robots.frontier.messages import (
+    AssignmentMessage,
     GiveWayMessage,
     ReportMessage,
     RobotReport,
     StopMessage,
 )
-from multisrt.robots.frontier.options import FrontierOptions, SelfBiddingOptions
+from multisrt.robots.frontier.options import (
+    BiddingOptions,
+    FrontierOptions,
+    SelfBiddingOptions,
+    UtilityOptions,
+)
 from multisrt.robots.frontier.progress import Event
 from multisrt.robots.frontier.robot import FrontierRobot
 from multisrt.robots.frontier.self_bidding import (
     choose_by_self_bidding,
     path_gaps,
+    send_last_stop_signal,
     send_stop_signals,
 )
+from multisrt.robots.frontier.utility import answer_requests
 from multisrt.robots.frontier.wavefront_costs import WavefrontCosts, full_table
 from multisrt.robots.frontier.wavefront_rules import choose_closest, choose_greedy, choose_minpos
 
@@ -67,12 +78,14 @@ def robot_at(places, mates=(), options=None):
     return robot
 
 
+def scan_from(x, y):
+    return take_scan(EdgeIndex(PLAZA.edges, 1.5), Configuration(x, y), 0.0, 4.0)
+
+
 def paint(robot, places):
     """Show a robot what is seen of the plaza from some places."""
-    index = EdgeIndex(PLAZA.edges, 1.5)
     for x, y in places:
-        scan = take_scan(index, Configuration(x, y), 0.0, 4.0)
-        robot.raster.add(local_safe_region(scan, "radial"))
+        robot.raster.add(local_safe_region(scan_from(x, y), "radial"))
 
 
 def report_of(number, place, goal=None):
@@ -246,7 +259,7 @@ def test_idle_and_long_silent_mates_do_not_count():
     places = places_drawn(3, 4)
     robot = robot_at(places, places[1:3])
     assert full_table(robot).robots == (0, 1, 2)
-    robot.course.time_s = robot.options.forget_after_s + 1.0
+    robot.course.time_s = robot.options.lost_after_s + 1.0
     robot.team.mates.heard_s[2] = robot.course.time_s
     assert full_table(robot).robots == (0, 2)
 
@@ -255,7 +268,7 @@ def test_idle_and_long_silent_mates_do_not_count():
 
 
 def test_robots_whose_goal_is_explored_get_a_stop_signal(acts_of):
-    robot = robot_at([(3, 7), (6, 7)], [(10, 10)])
+    robot = robot_at([(3, 7), (6, 7)], [(10, 10)], SelfBiddingOptions())
     (edge, *_) = robot.targets().tolist()
     for goal in (None, tuple(edge), (25.0, 1.0)):
         robot.team.mates.reports[1] = report_of(1, (10, 10), goal)
@@ -264,6 +277,56 @@ def test_robots_whose_goal_is_explored_get_a_stop_signal(acts_of):
     acts, _ = acts_of(send_stop_signals(robot))
     assert acts == [Send(StopMessage(sender=0, goal=(4.0, 7.0)), 1)]
     assert acts_of(send_stop_signals(robot))[0] == []  # once is enough
+
+
+def test_the_robot_that_explored_a_goal_sends_the_signal(acts_of):
+    robot = robot_at([(3, 7)], [(3, 12)], SelfBiddingOptions())
+    robot.team.mates.reports[1] = report_of(1, (3, 12), tuple(robot.targets()[0].tolist()))
+    (x, y) = goal = robot.team.mates.reports[1].goal
+    assert acts_of(send_stop_signals(robot))[0] == []
+    paint(robot, [(x, y)])
+    assert not robot.is_frontier(*goal)
+    for seen_from, signals in (((23.0, 12.0), 0), ((3.0, 7.0), 1)):
+        robot.team.stops.settled.clear()
+        robot.map.view(scan_from(*seen_from))
+        assert len(acts_of(send_stop_signals(robot))[0]) == signals
+
+
+def test_without_stop_signals_none_is_sent(acts_of):
+    robot = robot_at([(3, 7), (6, 7)], [(10, 10)], SelfBiddingOptions(stop_signals=False))
+    robot.team.mates.reports[1] = report_of(1, (10, 10), (4.0, 7.0))
+    assert acts_of(send_stop_signals(robot))[0] == []
+    assert acts_of(send_last_stop_signal(robot))[0] == []
+
+
+def test_a_robot_that_has_explored_all_tells_the_others_once(acts_of):
+    robot = robot_at([(3, 7)], [(10, 10)], SelfBiddingOptions())
+    (told,), _ = acts_of(send_last_stop_signal(robot))
+    assert told == Send(StopMessage(sender=0))
+    robot.course.time_s = 5.0
+    assert acts_of(send_last_stop_signal(robot))[0] == []
+    robot.course.set_out_s = 6.0
+    robot.course.time_s = 7.0
+    assert len(acts_of(send_last_stop_signal(robot))[0]) == 1
+    # It ends the drive of a robot to whatever goal.
+    other = robot_at([(3, 7)], [(10, 10)], SelfBiddingOptions())
+    acts_of(other.team._take_message(told.message))
+    assert not other.team.requests.stop
+    other.set_goal(other.goal_at(other.own_field(), *other.targets()[0].tolist()))
+    acts_of(other.team._take_message(told.message))
+    assert other.team.requests.stop
+
+
+def test_with_arrival_a_drive_goes_on_to_a_goal_that_is_no_frontier():
+    ends = {}
+    for replan in ("target", "arrival"):
+        robot = robot_at([(3, 7)], options=BiddingOptions(replan=replan))
+        goal = robot.goal_at(robot.own_field(), *robot.targets()[0].tolist())
+        robot.set_goal(goal)
+        assert reason_to_end(robot, goal, to_see=True) is None
+        paint(robot, [goal.place])
+        ends[replan] = reason_to_end(robot, goal, to_see=True)
+    assert ends == {"target": Event.NOTHING_LEFT, "arrival": None}
 
 
 def test_a_stop_signal_counts_for_the_present_goal_only(acts_of):
@@ -278,6 +341,63 @@ def test_a_stop_signal_counts_for_the_present_goal_only(acts_of):
     assert mapped.team.requests.any_pending
     assert explorer.request() is Event.STOP_SIGNAL
     assert not mapped.team.requests.any_pending
+
+
+# Leaders ---------------------------------------------------------------------------------------
+
+
+def asking(number, place, *, time_s=0.0):
+    report = msgspec.structs.replace(
+        report_of(number, place), phase="choosing", said=2, time_s=time_s
+    )
+    return ReportMessage(sender=number, reports=(report,), wants_goal=True)
+
+
+def test_a_leader_answers_at_once_and_keeps_its_own_goal(acts_of):
+    robot = robot_at([(3, 7), (6, 9), (9, 11)], [(8, 10)], UtilityOptions())
+    answer_requests(robot)
+    goal = robot.goal_at(robot.own_field(), *robot.targets()[0].tolist())
+    robot.set_goal(goal)
+    acts, _ = acts_of(robot.team._take_message(asking(1, (8, 10))))
+    (given,) = [act for act in acts if isinstance(act.message, AssignmentMessage)]
+    assert given.to == 1
+    assert given.message.goal in {tuple(t) for t in robot.targets().tolist()}
+    assert math.dist(given.message.goal, goal.place) > 1.0
+    assert robot.goal is goal
+    assert not robot.team.requests.any_pending
+
+
+def test_a_goal_that_another_has_is_worth_less(acts_of):
+    # Robot 1 stands at the edge that it would get if nobody went there.
+    robot = robot_at([(3, 7), (6, 9), (9, 11)], [(8, 10), (7, 10)], UtilityOptions())
+    answer_requests(robot)
+
+    def goal_given():
+        acts, _ = acts_of(robot.team._take_message(asking(1, (8, 10))))
+        (given,) = [act.message for act in acts if isinstance(act.message, AssignmentMessage)]
+        return given
+
+    # Robot 2 has a goal: it does not ask.
+    robot.team.mates.reports[2] = report_of(2, (7, 10), (1.0, 1.0))
+    first = goal_given()
+    robot.team.mates.reports[2] = report_of(2, (7, 10), first.goal)
+    second = goal_given()
+    assert second.goal != first.goal or second.utility == 0.0
+
+
+def test_robots_that_need_a_goal_at_once_get_theirs_together(acts_of):
+    robot = robot_at([(3, 7), (6, 9), (9, 11)], [(8, 10), (8, 9)], UtilityOptions())
+    answer_requests(robot)
+    acts_of(robot.team._take_message(asking(2, (8, 9))))
+    robot.team.assignments = Assignments(0, 0.5)
+    (first, second) = (
+        act.message
+        for number, place in ((1, (8, 10)), (2, (8, 9)))
+        for act in acts_of(robot.team._take_message(asking(number, place)))[0]
+        if isinstance(act.message, AssignmentMessage)
+    )
+    assert first.goal != second.goal
+    assert max(first.utility, second.utility) == 1.0
 
 
 # Requests --------------------------------------------------------------------------------------

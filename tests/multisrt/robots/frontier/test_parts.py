@@ -244,7 +244,7 @@ def report(robot=1, said=1, time_s=0.0, phase="driving"):
 
 
 def test_the_latest_report_of_each_mate_counts():
-    mates = Teammates(0, forget_after_s=15.0)
+    mates = Teammates(0, lost_after_s=15.0, relay_for_s=15.0)
     for said in (2, 1):
         mates.take(report(said=said, time_s=float(said)))
     mates.take(report(robot=0))
@@ -253,14 +253,27 @@ def test_the_latest_report_of_each_mate_counts():
     assert mates.present(20.0) == []
 
 
+def test_a_mate_is_lost_after_long_silence_or_when_it_is_met_and_does_not_answer():
+    mates = Teammates(0, lost_after_s=600.0, relay_for_s=15.0)
+    mates.take(report(said=1, time_s=0.0))
+    assert [r.robot for r in mates.present(600.0)] == [1]
+    assert mates.present(600.1) == []
+    assert [r.robot for r in mates.worth_relaying(15.0)] == [1]
+    assert mates.worth_relaying(15.1) == []
+    mates.note_lost(1, 20.0)
+    assert mates.present(20.0) == []
+    mates.take(report(said=2, time_s=30.0))
+    assert [r.said for r in mates.present(30.0)] == [2]
+
+
 def test_idle_mates_are_not_present():
-    mates = Teammates(0, forget_after_s=15.0)
+    mates = Teammates(0, lost_after_s=15.0, relay_for_s=15.0)
     mates.take(report(phase="idle"))
     assert mates.present(0.0) == []
 
 
 def test_a_mate_is_deaf_until_it_is_heard_of():
-    mates = Teammates(0, forget_after_s=15.0)
+    mates = Teammates(0, lost_after_s=15.0, relay_for_s=15.0)
     mates.note_deaf(1, 3.0)
     assert mates.is_deaf(1)
     mates.take(report(time_s=4.0))

@@ -92,6 +92,22 @@ def test_a_detour_is_tried_anew_from_another_place_only():
     assert progress.has_detoured
 
 
+def test_detours_from_several_places_are_remembered_until_the_map_changes():
+    progress, course = progress_with()
+    here, there = Configuration(0.0, 0.0, 0.0), Configuration(9.0, 0.0, 0.0)
+    for at in (here, there):
+        course.at = at
+        assert not progress.has_detoured
+        progress.note_detour()
+    # Sent from one door to the other, it is not sent back.
+    course.at = here
+    assert progress.has_detoured
+    learn(progress)
+    assert not progress.has_detoured
+    course.at = there
+    assert progress.has_detoured
+
+
 def test_waits_count_until_the_map_changes():
     progress, course = progress_with(max_waits=2)
     for _ in range(2):

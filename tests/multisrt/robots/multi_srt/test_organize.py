@@ -44,6 +44,19 @@ def test_bodies_that_stay_never_conflict(prospect):
     assert Conflicts(near, GUARD_M).pairs == ()
 
 
+@pytest.mark.parametrize(("nearest_m", "orders"), [(0.0276, "keep"), (0.0274, "wait")])
+def test_how_near_a_robot_may_pass_by_one_that_it_starts_beside(prospect, nearest_m, orders):
+    # The bodies are 30 mm apart. A motion that begins there is stopped at a quarter of the guard
+    # distance, 25 mm; paths keep half of the difference more, 27.5 mm.
+    prospects = {
+        0: prospect(0, (0, 0)),
+        1: prospect(1, (0.53, 0), (0.5 + nearest_m, 0), (0.5 + nearest_m, 4)),
+    }
+    conflicts = Conflicts(prospects, GUARD_M)
+    assert conflicts.gap(0, 1) == pytest.approx(0.0275, abs=1e-9)
+    assert orders_of(organize(conflicts, ByHand())) == {0: "wait", 1: orders}
+
+
 def test_paths_survive_a_message(line):
     motion = line((0, 0), (3, 4), (3, 6), heading=0.7)
     assert path_of(motion) == ((0.0, 0, 0, 0.7), (5.0, 3, 4, 0.7), (7.0, 3, 6, 0.7))

@@ -110,9 +110,11 @@ def conflicts_of(prospect) -> Callable[..., Conflicts]:
 def gap_between(a: Plan, b: Plan) -> float:
     """The distance that two robots have to keep, from their distance now."""
     now = apart(a.covered(a.places[:1]), b.covered(b.places[:1]))
-    if now <= GUARD_M:
-        return max(0.75 * now, min(0.9995 * now, 0.3 * GUARD_M))
-    return GUARD_M if now < 1.2 * GUARD_M else 1.2 * GUARD_M
+    if now > GUARD_M:
+        return GUARD_M if now < 1.2 * GUARD_M else 1.2 * GUARD_M
+    # Halfway to where the protective stop ends a motion that begins at this distance.
+    stop = 0.5 * now if now > 0.5 * GUARD_M else min(0.25 * GUARD_M, 0.999 * now)
+    return 0.5 * (now + stop)
 
 
 def is_feasible(

@@ -3,7 +3,9 @@
 import dataclasses
 import enum
 import gc
+import math
 import types
+from collections import Counter
 from itertools import combinations
 from typing import ClassVar
 
@@ -13,8 +15,9 @@ import pytest
 import shapely
 
 from multisrt.analysis.measuring import measure
+from multisrt.environments.catalog import environment
 from multisrt.environments.environment import Environment
-from multisrt.events import Learned, NodeAdded, Sent
+from multisrt.events import Decision, Learned, NodeAdded, Sent
 from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.planners.motion.kinematics import Car, Differential, Holonomic
 from multisrt.robots import registry
@@ -23,11 +26,15 @@ from multisrt.robots.explorer import Send
 from multisrt.robots.messages import Message
 from multisrt.robots.multi_srt.messages import (
     EntriesMessage,
+    NoPlaceMessage,
     Order,
     OrdersMessage,
     StateMessage,
     WantMessage,
 )
+from multisrt.robots.multi_srt.options import MultiSrtOptions
+from multisrt.robots.multi_srt.robot import SrtRobot
+from multisrt.robots.multi_srt.support import open_frontier
 from multisrt.robots.registry import strategies
 from multisrt.simulation.simulate import simulate
 from multisrt.simulation.worlds import inline
@@ -358,3 +365,86 @@ def test_a_robot_in_between_passes_on_what_it_learned(explorers, seed):
     assert not any({event.robot, *event.reached} >= {0, 2} for event in sent if event.robot != 1)
     for explorer in explorers[0]:
         assert set(explorer.robot.map.entries.have()) == {0, 1, 2}
+
+
+# Nodes at which the paper's planner finds no place --------------------------------------------
+
+
+PAPERS_PLANNER = {"approach": False, "complete": False}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("after", [1, 2])
+def test_robots_do_not_go_where_others_found_no_place(explorers, after):
+    world, options = environment("rooms"), PAPERS_PLANNER | {"no_place_after": after}
+    recording = run(world, 3, max_time_s=2000.0, starts="clustered", options=options, seed=1)
+    told = [message for message in explorers[1] if isinstance(message, NoPlaceMessage)]
+    assert told
+    counts = Counter(message.node for message in told)
+    robots = [explorer.robot for explorer in explorers[0]]
+    assert [robot.team.without_place for robot in robots] == [counts] * 3
+    # Nobody chose to go to such a node in support of its tree after it was told often enough.
+    heard: Counter[NodeId] = Counter()
+    told_s: dict[NodeId, float] = {}
+    sent = [event for event in recording.events if isinstance(event, Sent)]
+    for event, message in zip(sent, explorers[1], strict=True):
+        if isinstance(message, NoPlaceMessage):
+            heard[message.node] += 1
+            if heard[message.node] == after:
+                told_s[message.node] = event.time_s
+    goes_there = []
+    places = {robots[0].map[node].configuration[:2]: node for node in counts}
+    for event in recording.events:
+        if isinstance(event, Decision) and event.choice == "nearest_open":
+            node = places.get(event.target)
+            goes_there.append(event)
+            assert node is None or event.time_s <= told_s.get(node, math.inf)
+    assert goes_there
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("options", [{"no_place_after": 1}, PAPERS_PLANNER])
+def test_with_the_third_stage_or_without_the_option_no_robot_says_so(explorers, options):
+    run(environment("rooms"), 3, max_time_s=60.0, starts="clustered", options=options, seed=1)
+    assert not any(isinstance(message, NoPlaceMessage) for message in explorers[1])
+
+
+@pytest.mark.parametrize(
+    ("other", "is_heeded"),
+    [
+        ({}, True),
+        ({"footprint": "disc:0.3"}, False),
+        ({"kinematics": Holonomic()}, False),
+    ],
+)
+def test_only_robots_of_the_same_body_and_drive_are_heeded(
+    robot_self, robot_state, other, is_heeded
+):
+    robot = SrtRobot(robot_self(), "radial", MultiSrtOptions())
+    list(robot.team._take_message(NoPlaceMessage(sender=1, node=NodeId(1, 0))))
+    assert not robot.team.without_place  # nothing is known of its sender yet
+    robot.team.roster.take(robot_state(1, **other), 1)
+    list(robot.team._take_message(NoPlaceMessage(sender=1, node=NodeId(1, 2))))
+    assert robot.team.without_place == ({NodeId(1, 2): 1} if is_heeded else {})
+
+
+@pytest.mark.parametrize(
+    ("options", "counts"),
+    [
+        ({"complete": False, "no_place_after": 2}, False),
+        ({"complete": False}, True),
+        ({"no_place_after": 2}, True),
+    ],
+)
+def test_frontier_at_such_nodes_needs_no_support(explorers, options, counts):
+    run(ROOMS, 1, max_time_s=1.0)
+    found = explorers[0][0].robot
+    root = found.map.nodes[0].id
+    open_m = found.map.open_frontier_m(root)
+    assert open_m > 0.0
+    robot = SrtRobot(found.me, "radial", MultiSrtOptions(**options))
+    robot.map.merge(found.map.nodes)
+    robot.team.without_place[root] = 1
+    assert open_frontier(robot, root) == pytest.approx(open_m)
+    robot.team.without_place[root] = 2
+    assert open_frontier(robot, root) == pytest.approx(open_m if counts else 0.0)

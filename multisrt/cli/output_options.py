@@ -1,0 +1,104 @@
+"""Options of output, which all commands share: --out, --force and --quiet.
+
+A file made of recordings (a replay, an animation, a figure, an export) is written to the folder of
+the first recording unless ``--out`` names another place.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import click
+
+from multisrt.cli import candidates
+
+Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
+
+REPLAY_NAME = "replay.html"
+ANIMATION_NAME = "animation.svg"
+EXPORT_NAME = "run.mcap"
+FIGURE_NAME = "{kind}.pdf"
+
+
+def out_file(what: str, default: str, *, several: bool = False) -> Decorator:
+    """Return the option --out of a command that writes a file made of recordings.
+
+    Parameters
+    ----------
+    what : str
+        What the file holds, with its formats.
+    default : str
+        Name of the file if none is given; it is written to the folder of the first recording.
+    several : bool, optional
+        Whether the command takes several recordings.
+
+    Returns
+    -------
+    callable
+        The decorator of the command.
+    """
+    where = f"in the folder of the {'first ' * several}recording"
+    return click.option(
+        "--out",
+        type=click.Path(path_type=Path),
+        metavar="FILE",
+        help=f"File for {what}.  [default: {default} {where}]",
+    )
+
+
+def out_folder(what: str, default: str) -> Decorator:
+    """Return the option --out of a command that writes a folder.
+
+    Parameters
+    ----------
+    what : str
+        What the folder holds.
+    default : str
+        The folder if none is given, in words.
+
+    Returns
+    -------
+    callable
+        The decorator of the command.
+    """
+    return click.option(
+        "--out",
+        type=click.Path(path_type=Path),
+        metavar="DIR",
+        shell_complete=candidates.folders,
+        help=f"Folder for {what}.  [default: {default}]",
+    )
+
+
+def force_option(what: str = "FILE") -> Decorator:
+    """Return the option --force of a command, which replaces what is there.
+
+    Parameters
+    ----------
+    what : str, optional
+        What is replaced.
+
+    Returns
+    -------
+    callable
+        The decorator of the command.
+    """
+    return click.option("--force", is_flag=True, help=f"Replace {what} if it exists.")
+
+
+def quiet_option(what: str = "errors") -> Decorator:
+    """Return the option --quiet of a command.
+
+    Parameters
+    ----------
+    what : str, optional
+        What is printed all the same.
+
+    Returns
+    -------
+    callable
+        The decorator of the command.
+    """
+    return click.option("--quiet", is_flag=True, help=f"Print {what} only.")

@@ -1,0 +1,161 @@
+"""Exponents of power laws beside printed ones: each map's own, in pairs of maps."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from multisrt.presets.findings import Saying
+from multisrt.reporting.claims import Claim, Verdict
+from multisrt.statistics.intervals import LEVEL, Interval, student
+from multisrt.statistics.power_law import PowerLaw, fit_power_law
+
+MIN_MAPS = 3
+"""Minimum number of maps with a law for a verdict on all of them."""
+
+DEVIATIONS_OF_99 = 2.576
+"""Standard deviations from the mean within which 99 % of a normal distribution lie."""
+
+
+class Laws(NamedTuple):
+    """Means by team size on one map, by which a law is fitted, and the printed exponent.
+
+    Attributes
+    ----------
+    label : str
+        Label of the map.
+    printed : float
+        Exponent in the thesis.
+    means : dict from int to float
+        Means by team size.
+    beside : dict from int to float
+        Means by the quantity that is shown beside; empty without one.
+    """
+
+    label: str
+    printed: float
+    means: Mapping[int, float]
+    beside: Mapping[int, float]
+
+
+class Quantity(NamedTuple):
+    """What falls with team size, and its printed exponents.
+
+    Attributes
+    ----------
+    name : str
+        Name in the text of the claim.
+    beside : str
+        Name of the quantity that is shown beside.
+    band : (float, float)
+        Printed bounds of 99 % of all exponents.
+    """
+
+    name: str
+    beside: str
+    band: tuple[float, float]
+
+    @property
+    def margin(self) -> float:
+        """Difference from printed exponents that counts as none: one standard deviation of them.
+
+        It follows from the printed bounds of 99 %.
+        """
+        return (self.band[1] - self.band[0]) / (2.0 * DEVIATIONS_OF_99)
+
+
+def law(means: Mapping[int, float], level: float = LEVEL) -> PowerLaw | None:
+    """Return the power law fitted to means by team size; None for fewer than three sizes."""
+    if len(means) < 3:
+        return None
+    return fit_power_law(list(means), list(means.values()), level=level)
+
+
+def falls_as_printed(what: Quantity, maps: Sequence[Laws]) -> Claim:
+    """Return the judged claim that every map has the exponent printed for it.
+
+    The exponents of our maps and the printed ones are pairs. Their mean difference has Student's
+    interval over maps. The claim holds if all of it is smaller than `Quantity.margin` on either
+    side; otherwise it does not hold if the interval excludes 0. Maps whose own intervals, which
+    hold simultaneously (Bonferroni), exclude their printed exponents are listed.
+
+    Parameters
+    ----------
+    what : Quantity
+        The quantity that falls.
+    maps : sequence of Laws
+        The means of each map.
+    """
+    level = 1.0 - (1.0 - LEVEL) / max(1, len(maps))
+    fits = [(one, fit.exponent) for one in maps if (fit := law(one.means, level))]
+    decision: Verdict = "not tested"
+    would_show = ""
+    grounds: list[str] = []
+    if len(fits) >= MIN_MAPS:
+        apart = student([of.value - one.printed for one, of in fits])
+        decision = _verdict(apart, what.margin)
+        grounds += _grounds(what, fits, apart)
+        if decision == "not significant":
+            half = apart.high - apart.value
+            would_show = f"a mean difference of {half:.3f} would have been significant"
+    else:
+        grounds.append(
+            f"a verdict needs {MIN_MAPS} maps with a printed exponent, each with three team sizes "
+            "of which runs succeed"
+        )
+    beside = [fit.exponent.value for one in maps if (fit := law(one.beside))]
+    if len(beside) > 1:
+        grounds.append(f"{what.beside}: {interval_text(student(beside))} on average")
+    return Claim(
+        text=f"On each map the {what.name} falls with team size by the printed exponent.",
+        source="Álvarez, Table 4.1",
+        verdict=decision,
+        grounds=tuple(grounds),
+        would_show=would_show,
+    )
+
+
+def _verdict(apart: Interval, margin: float) -> Verdict:
+    if -margin <= apart.low and apart.high <= margin:
+        return "holds"
+    return "does not hold" if apart.low > 0.0 or apart.high < 0.0 else "not significant"
+
+
+def _grounds(
+    what: Quantity, fits: Sequence[tuple[Laws, Interval]], apart: Interval
+) -> tuple[str, ...]:
+    low, high = what.band
+    values = [of.value for _, of in fits]
+    sayings = [says(of, one.printed) for one, of in fits]
+    against = sayings.count("against")
+    return (
+        f"ours minus the printed exponent, over {len(fits)} maps: {interval_text(apart)}; "
+        f"{sum(of.value > one.printed for one, of in fits)} of {len(fits)} are weaker than "
+        f"printed; differences within {what.margin:.3f}, one standard deviation of the thesis's "
+        "exponents, count as none",
+        f"ours are {_span(values)}; the thesis's {_span([one.printed for one, _ in fits])}; "
+        f"{sum(low <= value <= high for value in values)} of ours lie between {low:g} and "
+        f"{high:g}, which the thesis gives for 99 % of all cases",
+        f"the interval excludes the printed exponent on {against} of {len(fits)} maps",
+        *(
+            f"it does not hold on {one.label}: ours {interval_text(of)}, printed {one.printed:+.3f}"
+            for (one, of), saying in zip(fits, sayings, strict=True)
+            if saying == "against"
+        ),
+    )
+
+
+def says(exponent: Interval, printed: float) -> Saying:
+    """Return whether an interval excludes the printed exponent ("against") or holds it ("for")."""
+    return "for" if exponent.low <= printed <= exponent.high else "against"
+
+
+def interval_text(of: Interval) -> str:
+    """Return an estimate with its interval as text."""
+    return f"{of.value:+.3f} ({of.low:+.3f} to {of.high:+.3f})"
+
+
+def _span(exponents: Sequence[float]) -> str:
+    return f"{min(exponents):.3f} to {max(exponents):.3f}, {np.mean(exponents):.3f} on average"

@@ -1,0 +1,161 @@
+"""Gains of MinPos and its rivals: reductions of exploration times, in percent.
+
+Two strategies have the same world and starts in each repetition, and the ratio of their two times
+is what gains are computed from. Claims are judged by signed ranks, in which failed runs count as
+the slowest; tables show geometric means of the ratios, which favour neither strategy. Repetitions
+are shared by all team sizes and strategies, so tests and intervals take them as wholes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from multisrt.experiments.crossing import Condition
+from multisrt.experiments.measures import Measure, measure_named
+from multisrt.experiments.results import Results
+from multisrt.geometry.numerics.arrays import FloatArray
+from multisrt.presets.cells import Cells, Comparison, Family
+from multisrt.presets.findings import weigh_family
+from multisrt.presets.minpos_experiment import CLOSEST, PLAIN, WORLDS, Variant
+from multisrt.reporting.claims import Verdict
+from multisrt.statistics.intervals import LEVEL, Interval, bootstrap
+
+MIN_PAIRS = 6
+"""Minimum number of complete pairs of each condition for an interval of a gain."""
+
+TIME, HOME = measure_named("known_complete_s"), measure_named("makespan_s")
+"""The time by which the claims are judged, and the one that is shown beside it."""
+
+Ratios = dict[int, float]
+"""Logarithms of the ratios of two times by repetition; infinite where one of the runs failed."""
+
+
+class Times:
+    """The exploration times of an experiment's teams.
+
+    Parameters
+    ----------
+    results : Results
+        Results of the experiment, which may be incomplete.
+    measure : Measure
+        Which time.
+    variant : Variant
+        With which robots and options.
+    """
+
+    def __init__(self, results: Results, measure: Measure = TIME, variant: Variant = PLAIN) -> None:
+        self.cells = Cells(results)
+        self.measure = measure
+        self._at: dict[tuple[str, str, int], Condition] = {
+            (at.environment, rule, at.robots): at
+            for at in self.cells.conditions()
+            if (rule := variant.rule(at))
+        }
+        self.teams = sorted({robots for _, _, robots in self._at if robots > 1})
+        self.places = [(world, robots) for world in WORLDS for robots in self.teams]
+
+    def values(self, world: str, robots: int, strategy: str) -> list[float]:
+        """Return the times of complete runs."""
+        found = self.cells.values(self._at[world, strategy, robots], self.measure)
+        return [value for value in found.values() if np.isfinite(value)]
+
+    def compared(self, world: str, robots: int, strategy: str, rival: str) -> Comparison:
+        """Return the comparison of a strategy with a rival, in pairs of repetitions."""
+        return self.cells.compared(
+            f"{world}, {robots} robots",
+            lower=self._at[world, strategy, robots],
+            higher=self._at[world, rival, robots],
+            measure=self.measure,
+        )
+
+    def ratios(self, world: str, robots: int, strategy: str, rival: str) -> Ratios:
+        """Return the logarithms of the ratios of both times, without pairs of two failed runs."""
+        both = self.compared(world, robots, strategy, rival)
+        return {
+            repetition: float(np.log(ours) - np.log(rivals))
+            for repetition, ours, rivals in zip(both.repetitions, *both.pairs, strict=True)
+            if np.isfinite(ours) or np.isfinite(rivals)
+        }
+
+    def family_gain(
+        self,
+        places: Sequence[tuple[str, int]],
+        strategy: str,
+        rival: str,
+        level: float = LEVEL,
+    ) -> Interval | None:
+        """Return the gain of a strategy on a rival by the one test of several cells, in percent.
+
+        It is that of the ratio at which neither is the faster one by signed ranks; see
+        `ratio_of`. Failed runs are worse than all others. None if a cell has too few pairs.
+
+        Parameters
+        ----------
+        places : sequence of (str, int)
+            Worlds and team sizes of the cells.
+        strategy, rival : str
+            The strategies.
+        level : float, optional
+            Confidence level of the interval.
+        """
+        cells = [self.compared(*at, strategy, rival) for at in places]
+        if not cells or min(len(cell.repetitions) for cell in cells) < MIN_PAIRS:
+            return None
+        found = weigh_family(Family(comparisons=cells, quantity=self.measure), level=level)
+        assert found is not None
+        of = found.ratio
+        value, low, high = (100.0 * (1.0 - end) for end in (of.value, of.high, of.low))
+        return Interval(value, low, high)
+
+    def over_closest(self, strategy: str) -> list[Ratios]:
+        """Return the ratios of a strategy's times to those of closest, for each condition."""
+        return [self.ratios(*at, strategy, CLOSEST) for at in self.places]
+
+
+def gain(cells: Sequence[Ratios], level: float = LEVEL) -> Interval | None:
+    """Return a gain in percent with its interval; None if a condition has too few pairs.
+
+    The interval is a percentile bootstrap of repetitions. Those of one number are drawn together
+    in all conditions, which may share their world and starts.
+
+    Parameters
+    ----------
+    cells : sequence of Ratios
+        Logarithms of the ratios of times, by condition. All conditions have equal weights.
+    level : float, optional
+        Confidence level of the interval.
+    """
+    finite = [complete(of) for of in cells]
+    if not finite or min(map(len, finite)) < MIN_PAIRS:
+        return None
+    means = [float(np.mean([*of.values()])) for of in finite]
+    # A pair of which a run failed has the mean of its condition.
+    by_repetition = [
+        float(np.mean([of.get(k, mean) for of, mean in zip(finite, means, strict=True)]))
+        for k in sorted(set().union(*finite))
+    ]
+    return bootstrap([by_repetition], _percent, level=level, rng=0)
+
+
+def complete(ratios: Ratios) -> Ratios:
+    """Return the ratios of pairs in which neither run failed."""
+    return {repetition: ratio for repetition, ratio in ratios.items() if np.isfinite(ratio)}
+
+
+def _percent(log_ratios: FloatArray) -> FloatArray:
+    return np.asarray(100.0 * (1.0 - np.exp(np.mean(log_ratios, axis=-1))))
+
+
+def reaches(found: Interval | None, printed: float) -> Verdict:
+    """Return the verdict on a printed gain.
+
+    It does not hold if the whole interval of our gain is below it. Otherwise it holds if the
+    interval is above 0.
+    """
+    if found is None:
+        return "not tested"
+    if found.high < printed:
+        return "does not hold"
+    return "holds" if found.low > 0.0 else "not significant"

@@ -1,0 +1,28 @@
+"""The numbers of the robots of a team, in words."""
+
+from __future__ import annotations
+
+
+def numbers_of(robots: int) -> str:
+    """Return which numbers the robots of a team have, for messages about one that is not there.
+
+    Parameters
+    ----------
+    robots : int
+        How many robots the team has.
+
+    Returns
+    -------
+    str
+        A clause without a full stop.
+
+    Examples
+    --------
+    >>> numbers_of(1)
+    'the team has one robot, number 0'
+    >>> numbers_of(3)
+    'the team has 3 robots, numbered 0 to 2'
+    """
+    if robots == 1:
+        return "the team has one robot, number 0"
+    return f"the team has {robots} robots, numbered 0 to {robots - 1}"

@@ -26,6 +26,8 @@ from multisrt.terminal import LiveLine
 ROOT = Path(__file__).resolve().parents[1]
 RESULTS = ROOT / "docs" / "results"
 ROBUSTNESS = "robustness"
+EARLIER = "Made by an earlier version of this experiment"
+"""How a page says that its runs are to be made anew."""
 
 
 def main() -> None:

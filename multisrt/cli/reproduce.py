@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
     from multisrt.reporting.claims import Claim
 
 STORE_NAME, REPORT_NAME, SUMMARY_NAME = "results.sqlite", "report", "summary.md"
+ABLATIONS = "-ablations"
+"""What is added to the name of the store, for that of the ablations."""
 
 RUNS_FAILED = 3
 """Exit code if a run is not a success."""
@@ -30,7 +33,7 @@ RUNS_FAILED = 3
     "--seeds",
     type=click.IntRange(1, 100_000),
     metavar="N",
-    help="Repetitions of every condition.  [default: see above]",
+    help="Repetitions of every condition, ablations apart.  [default: see above]",
 )
 @map_options
 @running_options
@@ -74,16 +77,22 @@ def reproduce(
       minpos         40         8     not stated
       alvarez        20         7             40
 
+    Ablations change one thing in a few conditions, to show what a difference from the paper does
+    or why a claim does not hold. They are run after the experiment,
+    in its own worlds.
+
     \b
     Files written to DIR:
-      results.sqlite   every run, for multisrt report and multisrt experiment
-      report           the report: page, figures and tables
-      summary.md       claims and figures beside those of the paper, as text
+      results.sqlite            every run, for multisrt report and multisrt experiment
+      results-ablations.sqlite  every run of the ablations, of papers that have some
+      report                    the report: page, figures and tables
+      summary.md                claims, figures beside the paper's and ablations, as text
 
     \b
     Exit code:
       0  all runs succeeded: enough covered, no collision       2    bad input
       3  some did not; the claims are judged all the same       130  interrupted
+    Ablations do not count: some of them are meant to fail.
     """
     import msgspec
 
@@ -105,6 +114,13 @@ def reproduce(
     _make_folder(out)
     run_s = preset.quick_run_s if quick else preset.run_s
     results = make_runs(path, experiment, running=running, run_s=run_s)
+    ablated = None
+    if preset.ablations is not None and own_map is None:
+        ablated = make_runs(
+            path.with_name(f"{path.stem}{ABLATIONS}{path.suffix}"),
+            preset.ablations.experiment(preset.experiment(quick), quick=quick),
+            running=replace(running, reference=None),
+        )
     claims, tables = preset.claims(results), preset.tables(results)
     command = f"multisrt reproduce {name}{' --quick' * quick}"
     if own_map is not None:
@@ -113,7 +129,7 @@ def reproduce(
         command += f" --seeds {seeds}"
     if running.reference is not None:
         command += f" --reference {running.reference}"
-    text = summary(preset, results, command, claims=claims, tables=tables)
+    text = summary(preset, results, command, claims=claims, tables=tables, ablations=ablated)
     with atomic_write(out / SUMMARY_NAME) as file:
         file.write(text.encode())
     with LiveLine(not running.quiet, "report") as live:

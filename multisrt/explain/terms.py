@@ -74,7 +74,7 @@ REASONS: Final[dict[str, str]] = {
     "blocked": "another robot blocked its path",
     "gave way": "it had given way to another robot",
     "stop signal": "another robot reported that its goal was no longer a frontier",
-    "assigned": "goals were swapped, or another robot gave it one or wanted one from it",
+    "assigned": "another robot took over its last goal, and gave it its own",
     "called on": "it was done, and heard something new",
 }
 """Why robots that bid for frontiers chose a goal, by `because` of `GoalChosen`."""

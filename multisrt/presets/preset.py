@@ -11,6 +11,7 @@ import msgspec
 from multisrt.experiments.results import Results
 from multisrt.experiments.spec import EnvironmentChoice, ExperimentSpec
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.presets.ablations import Ablations
 from multisrt.reporting.claims import Claim, PrintedTable
 
 WORLD = "World:"
@@ -45,6 +46,8 @@ class Preset:
     on_map : callable, optional
         ``on_map(experiment, world)`` returns an `ExperimentSpec` as one in another world, an
         `EnvironmentChoice`; `in_world` is such a function. None: the preset has no such experiment.
+    ablations : Ablations or None
+        Changes of the experiment that show what differences do, or why a claim does not hold.
 
     Examples
     --------
@@ -67,6 +70,7 @@ class Preset:
     run_s: float | None = None
     quick_run_s: float | None = None
     on_map: Callable[[ExperimentSpec, EnvironmentChoice], ExperimentSpec] | None = None
+    ablations: Ablations | None = None
 
     def with_map(self, path: Path, resolution_m: float | None = None) -> Preset:
         """Return the preset with a map of one's own instead of its worlds.

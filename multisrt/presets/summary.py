@@ -24,6 +24,7 @@ def summary(
     *,
     claims: Sequence[Claim],
     tables: Sequence[PrintedTable],
+    ablations: Results | None = None,
 ) -> str:
     """Return the summary of a preset's results: claims, figures, deviations and failed runs.
 
@@ -39,6 +40,8 @@ def summary(
         The judged claims.
     tables : sequence of PrintedTable
         The figures beside the paper's, and the comparisons behind the claims.
+    ablations : Results, optional
+        Results of the preset's ablations, which may be incomplete.
 
     Returns
     -------
@@ -60,6 +63,7 @@ def summary(
         _gaps(results),
         "## Differences from the paper's experiment",
         _bullets(preset.deviations),
+        *_ablations(preset, ablations),
         "## Unsuccessful runs",
         _bullets(failed_runs([r for r in results if r.failed], MAX_FAILURES)) or "None.",
     ]
@@ -89,6 +93,20 @@ def _account(results: Results) -> list[str]:
             "them.**"
         )
     return lines
+
+
+def _ablations(preset: Preset, results: Results | None) -> list[str]:
+    if preset.ablations is None or results is None:
+        return []
+    seconds = sum(result.computing_s for result in results)
+    return [
+        "## What changes do",
+        "Runs apart from those of the claims, in few conditions: they show what a difference from "
+        "the paper does, or where a claim that does not hold fails, and decide nothing. "
+        f"{len(results)} of {results.planned} runs, {results.experiment.repetitions} repetitions; "
+        f"computing time {seconds / 3600.0:.2f} h of one core.",
+        *(_printed(table) for table in preset.ablations.tables(results)),
+    ]
 
 
 def _gaps(results: Results) -> str:

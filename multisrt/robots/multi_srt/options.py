@@ -42,7 +42,8 @@ class MultiSrtOptions(SrtOptions, frozen=True, kw_only=True, forbid_unknown_fiel
         Distance in metres to another body at which the protective stop ends a motion; paths that
         come nearer to one another conflict.
     support : bool
-        Whether a robot that is done with its own tree supports others.
+        Whether a robot that is done with its own tree supports others, or with a limited radio
+        takes over from them.
     support_m : float or None
         A tree may need support if its open frontier is at least this long, in metres, for each
         robot that is active in it (paper: F bar); None: the sensing range.

@@ -226,7 +226,8 @@ def exploration_running(robot: SrtRobot) -> bool:
     """EXPLORATION_RUNNING: whether another robot has not yet reported that it is done."""
     roster = robot.team.roster
     if not robot.has_unlimited_range:
-        return math.isfinite(_next_take_over_s(robot))
+        # Without support nothing is taken over, and so there is nothing to wait for.
+        return robot.options.support and math.isfinite(_next_take_over_s(robot))
     return any(
         number not in roster.lost
         and (number not in roster.states or roster.states[number].tree is not None)

@@ -18,14 +18,16 @@ def test_claims_of_multi_srt_that_hold():
         return 1000.0 / at.robots * (3.0 if at.starts == "clustered" and at.robots == 4 else 1.0)
 
     found = multi_srt.claims(results_of(QUICK_SRT, srt(time)))
-    assert len(found) == 7
+    assert len(found) == 10
     assert {claim.text: claim.verdict for claim in found} == dict.fromkeys(
         (claim.text for claim in found), "holds"
     )
     # 2 worlds, 2 strategies, 2 radios; from 1 to 2 and from 2 to 4 robots.
-    assert "in 16 of 16 comparisons, significantly by itself in 16" in found[0].grounds[1]
+    for claim in found[:2]:
+        assert "in 16 of 16 comparisons, significantly by itself in 16" in claim.grounds[1]
     # 2 worlds; alone, and 2 sizes, 2 starts, 2 radios.
-    assert "in 18 of 18 comparisons, significantly by itself in 18" in found[3].grounds[1]
+    for claim in found[5:8]:
+        assert "in 18 of 18 comparisons, significantly by itself in 18" in claim.grounds[1]
 
 
 def test_claims_of_multi_srt_that_do_not_hold():
@@ -45,12 +47,10 @@ def test_claims_of_multi_srt_that_do_not_hold():
         }
 
     found = multi_srt.claims(results_of(spec, values))
-    assert claim_on(found, "scattered").verdict == "does not hold"
-    assert any(
-        "garden, srt-star, 15 m radio, 2 to 4 robots" in line
-        for line in claim_on(found, "scattered").grounds
-    )
-    assert claim_on(found, "clustered").verdict == "does not hold"
+    scattered = claim_on(found, "scattered", "until all are home")
+    assert scattered.verdict == "does not hold"
+    assert any("garden, srt-star, 15 m radio, 2 to 4 robots" in line for line in scattered.grounds)
+    assert claim_on(found, "clustered", "until all are home").verdict == "does not hold"
     assert claim_on(found, "distance grows").verdict == "does not hold"
     assert claim_on(found, "shorter total distance").verdict == "does not hold"
     assert claim_on(found, "completed").verdict == "holds"
@@ -71,11 +71,12 @@ def test_claims_of_multi_srt_that_may_be_chance():
             QUICK_SRT,
             lambda at, k: {
                 "makespan_s": 1000.0 + 100.0 * noise_of(at, k, "time"),
+                "known_complete_s": 900.0 + 100.0 * noise_of(at, k, "known"),
                 "total_distance_m": 500.0 + 100.0 * noise_of(at, k, "way"),
             },
         )
     )
-    assert [claim.verdict for claim in found[:5]] == ["not significant"] * 5
+    assert [claim.verdict for claim in found[:8]] == ["not significant"] * 8
 
 
 def test_claims_of_multi_srt_without_runs_enough():
@@ -93,10 +94,16 @@ def test_both_times_are_judged():
             "known_complete_s": 100.0 + noise_of(at, repetition, "known")
         }
 
-    claim = claim_on(multi_srt.claims(results_of(QUICK_SRT, values)), "scattered")
-    assert claim.verdict == "holds"
-    (line,) = [one for one in claim.grounds if one.startswith(multi_srt.KNOWN.heading)]
-    assert "not significant" in line
+    results = results_of(QUICK_SRT, values)
+    found = multi_srt.claims(results)
+    assert claim_on(found, "scattered", "until all are home").verdict == "holds"
+    assert claim_on(found, "scattered", "knows the map complete").verdict == "not significant"
+    # Each has a table of its comparisons.
+    titles = [table.title for table in multi_srt.tables(results) if "scattered" in table.title]
+    assert [
+        title.endswith(f"{time.heading}, medians")
+        for title, time in zip(titles, multi_srt.TIMES, strict=True)
+    ] == [True, True]
 
 
 def test_a_run_that_was_given_up_is_in_the_grounds():

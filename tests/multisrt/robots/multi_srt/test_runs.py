@@ -393,3 +393,16 @@ def test_robots_that_block_each_other_do_not_wait_for_ever(
         seed=seed,
     )
     assert simulate(spec).footer.outcome == "complete"
+
+
+@pytest.mark.parametrize("support", [True, False])
+def test_robots_wait_to_take_over_only_if_they_support_others(events_of, support):
+    spec = spec_of(
+        "rooms",
+        2,
+        seed=2,
+        radio=RadioSpec(range_m=12.0),
+        options={"support": support, "take_over_after_s": 3000.0},
+    )
+    ends = [one.time_s for one in events_of(explore(spec), Ended)]
+    assert (max(ends) > 3000.0) == support

@@ -75,7 +75,7 @@ def test_a_grid_world_of_someone_else_is_explored_wholly(load_module, tmp_path, 
     alone, together = capsys.readouterr().out.splitlines()
     for told in (alone, together):
         # Beams are marched in steps, so that a strip along the walls is not taken as free.
-        share = re.search(r"complete after \d+ s, (9[67]\.\d)% covered", told)
+        share = re.search(r"complete after \d+ s, (9[67]\.\d) % covered", told)
         assert share, told
     assert alone.endswith(", 0 messages")
     assert int(together.split()[-2]) > 100

@@ -32,8 +32,8 @@ def test_words_of_the_options_are_those_of_the_figures():
 def test_every_kind_is_drawn(call, run, folder):
     for kind in KINDS:
         code, out, err = call("figure", kind, "out", "--style", "ieee")
-        assert (code, out, err) == (0, f"{kind}.pdf\n", "")
-        assert (folder / f"{kind}.pdf").read_bytes().startswith(b"%PDF-1")
+        assert (code, out, err) == (0, f"out/{kind}.pdf\n", "")
+        assert (folder / "out" / f"{kind}.pdf").read_bytes().startswith(b"%PDF-1")
     for suffix, begins in ((".svg", b"<?xml"), (".png", b"\x89PNG")):
         assert call("figure", "activity", "out", "--quiet", "--out", f"a{suffix}") == (0, "", "")
         assert (folder / f"a{suffix}").read_bytes().startswith(begins)

@@ -306,7 +306,7 @@ def test_all_decisions(recording):
 @pytest.mark.parametrize(
     ("robot", "time_s", "said"),
     [
-        (3, 1.0, "there is no robot 3: the run has 3"),
+        (3, 1.0, "there is no robot 3: the team has 3 robots"),
         (-1, None, "there is no robot -1"),
         (2, 30.5, "30.5 s is not within the run, which lasts from 0 to 30.00 s"),
         (2, -0.1, "not within the run"),

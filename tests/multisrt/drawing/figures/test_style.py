@@ -122,7 +122,10 @@ def test_styles_are_for_figures_of_ones_own_too():
         ({"kind": "maps", "twice": True}, "a figure of kind maps shows one run, not 2"),
         ({"kind": "map", "options": {"robots": (0,)}}, "does not depend on robots; these do: maps"),
         ({"kind": "maps", "options": {"times_s": (1e6,)}}, "1e+06 s is not within the run"),
-        ({"kind": "activity", "options": {"robots": (3,)}}, "there is no robot 3: the run has 3"),
+        (
+            {"kind": "activity", "options": {"robots": (3,)}},
+            "there is no robot 3: the team has 3 robots",
+        ),
         ({"kind": "map", "options": {"without": ("node",)}}, "no layer 'node' (did you mean"),
     ],
 )

@@ -78,15 +78,14 @@ def reproduce(
       alvarez        20         7             40
 
     Ablations change one thing in a few conditions, to show what a difference from the paper does
-    or why a claim does not hold. They are run after the experiment,
-    in its own worlds.
+    or why a claim does not hold. They are run after the experiment, in its own worlds.
 
     \b
     Files written to DIR:
-      results.sqlite            every run, for multisrt report and multisrt experiment
-      results-ablations.sqlite  every run of the ablations, of papers that have some
+      results.sqlite            every run, for report and experiment
+      results-ablations.sqlite  every run of the ablations, if there are any
       report                    the report: page, figures and tables
-      summary.md                claims, figures beside the paper's and ablations, as text
+      summary.md                claims, figures and ablations, as text
 
     \b
     Exit code:

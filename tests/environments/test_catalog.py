@@ -40,7 +40,9 @@ def test_listed_parameters_are_those_that_give_the_default(name: str) -> None:
     parameters = dict(entry.parameters)
     world = environment(name, seed=0, **parameters)
     assert world == environment(name)
-    written = ", ".join(f"{key}={value:g}" for key, value in [*parameters.items(), ("seed", 0)])
+    # A switch is named where it is off.
+    told = [*((key, value) for key, value in parameters.items() if value is not True), ("seed", 0)]
+    written = ", ".join(f"{key}={value:g}" for key, value in told)
     assert world.origin == f"{name}({written})"
 
 

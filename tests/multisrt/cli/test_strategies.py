@@ -26,7 +26,7 @@ def test_own_options_come_before_inherited_ones(call):
         "drive",
     ]
     assert "As above" not in out
-    assert "in the paper goals are reassigned" in " ".join(out.split())
+    assert "in the paper a robot asks for a goal" in " ".join(out.split())
 
 
 def test_show_is_understood_and_the_list_says_how_options_are_listed(call):

@@ -37,7 +37,7 @@ def preset_named(name: str) -> Preset:
 
     Examples
     --------
-    >>> preset_named("minpos").experiment(True).strategies
+    >>> tuple(one.name for one in preset_named("minpos").experiment(True).strategies)
     ('closest', 'greedy', 'minpos')
     """
     if name not in PRESETS:

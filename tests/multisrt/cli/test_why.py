@@ -30,7 +30,7 @@ def test_a_robot_that_was_told_its_route_decides_nothing(call):
 @pytest.mark.parametrize(
     ("words", "named"),
     [
-        (["out/recording.jsonl", "--robot", "1"], "there is no robot 1: the team has one robot, number 0"),
+        (["out/recording.jsonl", "--robot", "1"], "no robot 1: the team has one robot, number 0"),
         (["out/recording.jsonl", "--robot", "-1"], "there is no robot -1"),
         (["out/recording.jsonl", "--robot", "1", "--all"], "there is no robot 1"),
         (["out/recording.jsonl", "--time", "1e6"], "not within the run"),

@@ -35,6 +35,9 @@ def main(wanted: list[str]) -> None:
         for name, draw in figures.items():
             if not wanted or any(word in name for word in wanted):
                 (PICTURES / folder / f"{name}.svg").write_text(draw(), encoding="utf-8")
+    for name, make in runs.PAGES.items():
+        if not wanted or any(word in name for word in wanted):
+            (PICTURES / f"{name}.html").write_text(make(), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -16,6 +16,7 @@ import multisrt as ms
 from multisrt.drawing import tree_svg
 from multisrt.drawing.animation import animation_svg
 from multisrt.experiments.measures import measure_named
+from multisrt.replay import replay_html
 from multisrt.reporting.figures import size_lines
 from multisrt.reporting.study import SEED
 from multisrt.robots.loading import load_strategy
@@ -40,12 +41,12 @@ def museum_team() -> ms.Recording:
     return ms.explore("museum", strategy="srt-radial", robots=4, seed=1).recording
 
 
-def isolated() -> str:
-    """Animate robots whose radio does not reach far."""
+@cache
+def isolated() -> ms.Recording:
+    """Return a run of robots whose radio does not reach far."""
     given: dict[str, Any] = {"robots": 3, "starts": "clustered", "seed": 1}
     radio = ms.RadioSpec(range_m=5.0)
-    run = ms.explore("apartment", strategy="minpos", radio=radio, **given)
-    return animation_svg(run.recording)
+    return ms.explore("apartment", strategy="minpos", radio=radio, **given).recording
 
 
 def lonely_first() -> str:
@@ -81,9 +82,10 @@ def star_and_radial() -> str:
 FIGURES: dict[str, Callable[[], str]] = {
     "museum-team-radial": lambda: tree_svg(museum_team()),
     "museum-team-animation": lambda: animation_svg(museum_team()),
-    "apartment-minpos-animation": isolated,
+    "apartment-minpos-animation": lambda: animation_svg(isolated()),
     "museum-team-star": partial(explored, "museum", "srt-star", robots=4),
     "apartment-minpos": partial(explored, "apartment", "minpos", robots=3),
     "lonely-first": lonely_first,
     "star-radial-teams": star_and_radial,
 }
+PAGES: dict[str, Callable[[], str]] = {"apartment-minpos-replay": lambda: replay_html(isolated())}

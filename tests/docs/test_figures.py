@@ -37,6 +37,13 @@ def test_pictures_of_algorithms_are_those_of_today(program):
         assert draw() == stored, f"{name}: make pictures"
 
 
+@pytest.mark.slow
+def test_the_replay_of_the_documentation_is_that_of_today(program):
+    (name, make), *others = program["runs"].PAGES.items()
+    assert not others
+    assert make() == (program["PICTURES"] / f"{name}.html").read_text("utf-8"), "make pictures"
+
+
 # That of the tutorial is held to its command; see test_tutorial.py.
 @pytest.mark.slow
 @pytest.mark.parametrize(

@@ -9,6 +9,8 @@ from typing import Final, NamedTuple
 
 from multisrt.events import Coordinated, Decided, Decision, GoalChosen
 from multisrt.explain.terms import CHOICES, NO_CONFLICT, NO_GOAL, ORDERS
+from multisrt.explain.words import one_line
+from multisrt.geometry.errors import InvalidInputError
 from multisrt.recording import Recording
 
 MAX_REASON: Final = 60
@@ -131,6 +133,11 @@ def decision_rows(
         Strategies in the order of their first run; of each the most frequent decisions first.
         Each row has a count for each robot, also for those that its team lacks.
 
+    Raises
+    ------
+    InvalidInputError
+        If the runs hold no decision.
+
     Examples
     --------
     >>> import multisrt as ms
@@ -153,12 +160,16 @@ def decision_rows(
         for choice in sorted(whole, key=lambda one: (-whole[one], one)):
             counts = tuple(own[choice] for own in team)
             rows.append(DecisionRow(strategy, *choice, counts, whole[choice] / whole.total()))
+    if not rows:
+        raise InvalidInputError(
+            "the robots put no decision on record in these runs; explorers of your own note "
+            "Decided (multisrt.robots.toolkit.decided)"
+        )
     return rows
 
 
 def _general(text: str) -> str:
     # The first line, without what differs from one decision to the next.
-    line = next(iter(text.splitlines()), "")
-    shown = " ".join("".join(c if c.isprintable() else " " for c in line).split())
+    shown = one_line(next(iter(text.splitlines()), ""))
     plain = re.sub(r"[-+]?\d+(?:[.,]\d+)*(?:[eE][-+]?\d+)?", ANY_NUMBER, shown)
     return plain if len(plain) <= MAX_REASON else plain[: MAX_REASON - 1] + "…"

@@ -74,9 +74,10 @@ def export(
     options = ExportOptions(
         rate_hz=rate_hz, map_interval_s=map_interval_s, cell_m=cell_m, without=without
     )
+    if out is not None:
+        require_format(out)
     path = recording_in(recording)
     out = path.with_name(EXPORT_NAME) if out is None else out
-    require_format(out)
     require_no_file(out, force=force)
     with LiveLine(not quiet, "reading", str(path)) as live:
         loaded = Recording.load(path)

@@ -197,6 +197,11 @@ def expected_text(missing: int, planned: int, run_s: float, running: Running) ->
         Computing time of a run, on average, in seconds.
     running : Running
         How the runs are executed.
+
+    Returns
+    -------
+    str
+        One line.
     """
     from multisrt.experiments.live import duration
     from multisrt.experiments.runner import cores

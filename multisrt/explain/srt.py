@@ -35,7 +35,7 @@ from multisrt.explain.words import (
 )
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.recording import Recording
-from multisrt.spec.numbering import numbers_of
+from multisrt.spec.numbering import missing
 
 PURPOSES = {
     "explore": "to explore",
@@ -377,4 +377,4 @@ def _short_node(name: NodeName, robot: int) -> str:
 def _require_robot(recording: Recording, robot: int) -> None:
     team = len(recording.spec.robots)
     if not 0 <= robot < team:
-        raise InvalidInputError(f"there is no robot {robot}: {numbers_of(team)}")
+        raise InvalidInputError(missing(robot, team))

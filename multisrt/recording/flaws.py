@@ -27,7 +27,7 @@ from multisrt.events import (
     Supports,
 )
 from multisrt.spec import RobotSpec
-from multisrt.spec.numbering import numbers_of
+from multisrt.spec.numbering import missing
 
 MAX_COORDINATE_M = 1e9
 """Bound of the absolute coordinates in a recording, in metres."""
@@ -56,7 +56,7 @@ def flaw_of(event: AnyEvent, robots: Sequence[RobotSpec], nodes: Container[NodeN
     """
     for robot in (event.robot, *_others(event)):
         if not 0 <= robot < len(robots):
-            return f"there is no robot {robot}: {numbers_of(len(robots))}"
+            return missing(robot, len(robots))
     for name in _nodes_named(event):
         if name not in nodes:
             return f"node {name[1]} of robot {name[0]} is nowhere in the recording"

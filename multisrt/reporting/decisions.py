@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from multisrt.analysis.decision_counts import decision_rows
-from multisrt.geometry.errors import InvalidInputError
 from multisrt.recording import Recording
 from multisrt.reporting.layout import Cell, Table
 
@@ -39,11 +38,6 @@ def decision_table(recordings: Sequence[Recording], robots: Sequence[int] | None
     Strategy,Decision,Reason,Robot 0,Robot 1,All,Share
     """
     rows = decision_rows(recordings, robots)
-    if not rows:
-        raise InvalidInputError(
-            "the robots put no decision on record in these runs; explorers of your own note "
-            "Decided (multisrt.robots.toolkit.decided)"
-        )
     team = range(len(rows[0].counts)) if robots is None else robots
     return Table(
         name="decisions",

@@ -26,3 +26,26 @@ def numbers_of(robots: int) -> str:
     if robots == 1:
         return "the team has one robot, number 0"
     return f"the team has {robots} robots, numbered 0 to {robots - 1}"
+
+
+def missing(robot: int, robots: int) -> str:
+    """Return that a team has no robot of a number, and which numbers it has.
+
+    Parameters
+    ----------
+    robot : int
+        The number that is none of the team's.
+    robots : int
+        How many robots the team has.
+
+    Returns
+    -------
+    str
+        A clause without a full stop.
+
+    Examples
+    --------
+    >>> missing(3, 3)
+    'there is no robot 3: the team has 3 robots, numbered 0 to 2'
+    """
+    return f"there is no robot {robot}: {numbers_of(robots)}"

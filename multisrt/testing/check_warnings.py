@@ -12,6 +12,9 @@ from multisrt.testing.forgotten import forgotten_return, writes_run
 MAX_EXAMPLES = 2
 """How many runs a warning names, and how many robots of each."""
 
+ENOUGH = f"{100.0 * SUCCESS_COVERAGE:.0f} %"
+"""The share of the explorable area that makes a run a success, in words."""
+
 
 def warnings_about(runs: Sequence[CheckedRun], cls: type) -> tuple[str, ...]:
     """Return warnings about an explorer whose runs have no defect.
@@ -75,13 +78,12 @@ def warnings_about(runs: Sequence[CheckedRun], cls: type) -> tuple[str, ...]:
     if claims:
         warnings.append(
             f"it says that it is complete but covered {_shares(claims)}; give Done complete=True "
-            f"only where no frontier is left: from {100.0 * SUCCESS_COVERAGE:.0f} % on a run is a "
-            "success"
+            f"only where no frontier is left: from {ENOUGH} on a run is a success"
         )
     elif len(small) == len(runs) and not warnings:
         warnings.append(
             f"it covered little in all runs: {_shares(small)}; a run is a success from "
-            f"{100.0 * SUCCESS_COVERAGE:.0f} % on: see that it drives on while a frontier is left"
+            f"{ENOUGH} on: see that it drives on while a frontier is left"
         )
     if stalls := [run for run in runs if _stalls_as_a_team(run, runs)]:
         warnings.append(
@@ -125,13 +127,11 @@ def _other_runs(count: int) -> str:
 
 def _shares(runs: Sequence[CheckedRun]) -> str:
     # Those with the smallest shares, and how many more there are.
-    if len(runs) > 1 and len({f"{100.0 * run.covered:.1f} %" for run in runs}) == 1:
-        return f"{100.0 * runs[0].covered:.1f} % in {len(runs)} runs"
+    if len(runs) > 1 and len({run.percent for run in runs}) == 1:
+        return f"{runs[0].percent} in {len(runs)} runs"
     least = sorted(runs, key=lambda run: run.covered)
-    texts = [f"{100.0 * run.covered:.1f} % ({run.title})" for run in least[:MAX_EXAMPLES]]
+    texts = [f"{run.percent} ({run.title})" for run in least[:MAX_EXAMPLES]]
     more = len(runs) - len(texts)
     if more == 0:
         return " and ".join(texts)
-    return (
-        f"{', '.join(texts)} and less than {100.0 * SUCCESS_COVERAGE:.0f} % in {_other_runs(more)}"
-    )
+    return f"{', '.join(texts)} and less than {ENOUGH} in {_other_runs(more)}"

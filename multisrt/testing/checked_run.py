@@ -68,9 +68,14 @@ class CheckedRun:
         team = "1 robot" if self.robots == 1 else f"{self.robots} robots"
         return f"{team} in {self.world!r}"
 
+    @property
+    def percent(self) -> str:
+        """The share of the explorable area that was covered, as text."""
+        return f"{100.0 * self.covered:.1f} %"
+
     def __str__(self) -> str:
         count = sum(self.actions.values())
         return (
             f"{self.title}: {self.outcome.replace('_', ' ')} after {self.time_s:.0f} s, "
-            f"{100.0 * self.covered:.1f} % covered, {count} action{'s' * (count > 1)}"
+            f"{self.percent} covered, {count} action{'s' * (count > 1)}"
         )

@@ -49,6 +49,11 @@ MAX_ENTRIES: Final = 16
 """Largest team whose robots are listed below the map."""
 
 
+def letters_px(size: float, unit: float) -> float:
+    """Return the size of letters in pixels, for their size in a picture of the default width."""
+    return max(MIN_LETTERS, size * unit)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Layout:
     """The parts of a picture, in pixels from its upper left corner.
@@ -88,17 +93,17 @@ class Layout:
     @property
     def title_px(self) -> float:
         """Size of the letters of the title, in pixels."""
-        return max(MIN_LETTERS, TITLE * self.unit)
+        return letters_px(TITLE, self.unit)
 
     @property
     def text_px(self) -> float:
         """Size of the letters of other lines, in pixels."""
-        return max(MIN_LETTERS, TEXT * self.unit)
+        return letters_px(TEXT, self.unit)
 
     @property
     def label_px(self) -> float:
         """Size of the numbers on the map, in pixels."""
-        return max(MIN_LETTERS, LABEL * self.unit)
+        return letters_px(LABEL, self.unit)
 
     @property
     def row_px(self) -> float:
@@ -168,7 +173,7 @@ def layout_of(
     x0, y0, x1, y1 = bounds
     unit = width / WIDTH
     margin, frame = MARGIN * unit, FRAME * unit
-    title_px, text_px = max(MIN_LETTERS, TITLE * unit), max(MIN_LETTERS, TEXT * unit)
+    title_px, text_px = letters_px(TITLE, unit), letters_px(TEXT, unit)
     columns = max(1, math.floor((width - 2.0 * margin) / (ENTRY * text_px)))
     rows = 1 + (math.ceil(robots / columns) if robots <= MAX_ENTRIES else 0)
     above = margin + (1.4 * title_px if captioned else 0.0)

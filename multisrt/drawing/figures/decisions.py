@@ -11,7 +11,6 @@ from multisrt.drawing.colours import INK
 from multisrt.drawing.figures.style import FigureStyle, new_figure
 from multisrt.drawing.svg import printable
 from multisrt.explain.terms import meanings
-from multisrt.geometry.errors import InvalidInputError
 from multisrt.recording import Recording
 
 if TYPE_CHECKING:
@@ -52,11 +51,6 @@ def decisions_figure(
         If the runs hold no decision.
     """
     rows = decision_rows(recordings, robots)
-    if not rows:
-        raise InvalidInputError(
-            "the robots put no decision on record in these runs; explorers of your own note "
-            "Decided (multisrt.robots.toolkit.decided)"
-        )
     figure, (ax,) = new_figure(style)
     figure.set_layout_engine("none")
     ax.set_axis_off()

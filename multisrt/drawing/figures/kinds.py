@@ -18,7 +18,7 @@ from multisrt.drawing.figures.style import FORMATS, FigureStyle, Format, figure_
 from multisrt.drawing.figures.trajectories import trajectories_figure
 from multisrt.geometry.errors import InvalidInputError, did_you_mean
 from multisrt.recording import Recording, atomic_write
-from multisrt.spec.numbering import numbers_of
+from multisrt.spec.numbering import missing
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -301,7 +301,7 @@ def require_fit(name: str, runs: Sequence[Recording], given: FigureOptions) -> N
     team = max(len(run.spec.robots) for run in runs)
     for robot in given.robots:
         if not 0 <= robot < team:
-            raise InvalidInputError(f"there is no robot {robot}: {numbers_of(team)}")
+            raise InvalidInputError(missing(robot, team))
 
 
 def _require_one_world(name: str, runs: Sequence[Recording]) -> None:

@@ -100,12 +100,15 @@ class SrtRobot:
         """Whether distance does not limit its radio (paper: unlimited communication range)."""
         return math.isinf(self.me.radio.range_m)
 
+    @property
+    def no_place_limit(self) -> int | None:
+        """`no_place_after` of the options; None where robots do not tell where they found none."""
+        return None if self.options.complete else self.options.no_place_after
+
     def is_without_place(self, node: NodeId) -> bool:
         """Whether robots like this one found no place at a node `no_place_after` times."""
-        after = self.options.no_place_after
-        if after is None or self.options.complete:
-            return False
-        return self.team.without_place[node] >= after
+        limit = self.no_place_limit
+        return limit is not None and self.team.without_place[node] >= limit
 
     def refuse(self, x: float, y: float) -> str | None:
         """Return why the robot cannot go straight to a candidate; None if it can."""

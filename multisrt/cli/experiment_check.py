@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from multisrt.experiments.crossing import Condition, PlannedRun
     from multisrt.experiments.estimate import Estimate
+    from multisrt.experiments.job import Compilation
     from multisrt.experiments.results import Result
     from multisrt.experiments.spec import ExperimentSpec, Limits
 
@@ -145,7 +146,9 @@ def _estimate(
 ) -> Estimate | None:
     import msgspec
 
+    from multisrt.analysis.progress import compiling_note
     from multisrt.experiments.estimate import estimate
+    from multisrt.experiments.job import Compiling
     from multisrt.experiments.live import LiveProgress
     from multisrt.experiments.modules import own_strategies, worker_references
     from multisrt.experiments.runner import job_of
@@ -157,9 +160,14 @@ def _estimate(
 
     def make(run: PlannedRun, limits: Limits) -> Result:
         plain = msgspec.structs.replace(spec, limits=limits, recordings="none")
-        return worker.make(job_of(run, plain))
+        return worker.make(job_of(run, plain), tell)
 
     with LiveProgress() as live:
+
+        def tell(now: Compilation) -> None:
+            told = compiling_note(now.done, now.about) if isinstance(now, Compiling) else "runs"
+            live.update(description=told)
+
         try:
             return estimate(
                 spec,

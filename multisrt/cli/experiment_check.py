@@ -10,6 +10,7 @@ import click
 
 from multisrt.cli import candidates
 from multisrt.cli.imports import import_all, import_option, imports_again
+from multisrt.cli.output_options import store_option
 from multisrt.cli.reach import elsewhere
 from multisrt.cli.spec_files import read_experiment
 
@@ -46,12 +47,7 @@ MAX_ROWS = 24
     type=click.FloatRange(0.0),
     help="Time for trial runs (s); 0 skips them and the estimate.",
 )
-@click.option(
-    "--store",
-    type=click.Path(path_type=Path),
-    metavar="RESULTS",
-    help="File for the results, as for 'experiment run'.  [default: FILE with suffix .sqlite]",
-)
+@store_option("the results, as for 'experiment run'")
 @import_option
 def check(
     file: Path, workers: int | None, seconds: float, store: Path | None, imports: tuple[str, ...]
@@ -59,7 +55,7 @@ def check(
     """List an experiment's conditions and estimate its duration.
 
     FILE is read and every condition checked without storing anything. If there are results
-    already, they are to be those of this experiment. For the estimate a few trial runs are
+    already, they must be those of this experiment. For the estimate a few trial runs are
     executed, cheap ones first, and discarded.
 
     \b

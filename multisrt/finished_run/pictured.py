@@ -245,7 +245,7 @@ class PicturedRun(MeasuredRun):
         path : str or Path
             The file: ``.pdf``, ``.svg`` or ``.png``. It is written completely or not at all.
         style : {"ieee", "ieee-wide", "springer", "springer-wide", "screen"}, optional
-            Width and letters of the figure.
+            Width and font of the figure.
         options : FigureOptions, optional
             Times, robots and the like, for kinds that depend on them; see
             `multisrt.drawing.figures`.

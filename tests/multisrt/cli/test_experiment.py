@@ -181,7 +181,7 @@ def test_new_replaces_only_an_older_schema(call, folder):
 @pytest.mark.parametrize(
     ("words", "told"),
     [
-        (("new", "a.txt"), "a.txt must be named .toml"),
+        (("new", "a.txt"), "a.txt must have the suffix .toml"),
         (("new", "a.toml", "--like", "minpoz"), "no preset 'minpoz' (did you mean 'minpos'?)"),
         (("new", "room.wkt/a.toml"), "cannot write room.wkt/a.toml"),
         (("check", "no.toml"), "no.toml: No such file or directory"),

@@ -261,6 +261,22 @@ def test_check_estimates_from_a_few_runs(call, monkeypatch, measured):
 
 
 @pytest.mark.slow
+def test_check_shows_that_kernels_are_compiled(call, monkeypatch, measured):
+    shown = []
+
+    def make(self, job, tell):
+        tell(Compiling(5, 41))
+        tell(Compiled())
+        return _priced(job, measured)
+
+    monkeypatch.setattr(worker.Worker, "make", make)
+    monkeypatch.setattr(LiveProgress, "update", lambda self, **what: shown.append(what))
+    call("check", "small.toml", "--seconds", "9", "--workers", "1")
+    assert {"description": "compiling kernels (5 of about 41)"} in shown
+    assert shown[-1] == {"description": "runs"}
+
+
+@pytest.mark.slow
 def test_check_warns_of_trial_runs_without_success(call, monkeypatch, measured):
     little = msgspec.structs.replace(measured, coverage=0.3, seen=0.4)
     monkeypatch.setattr(worker.Worker, "make", lambda self, job, tell: _priced(job, little))

@@ -7,7 +7,7 @@ import tempfile
 from collections.abc import Iterable, Sequence
 from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, overload
 
 import msgspec
 
@@ -32,6 +32,9 @@ from multisrt.spec import RadioSpec
 from multisrt.spec.keywords import refuse_unknown
 
 if TYPE_CHECKING:
+    import pandas
+    import polars
+
     from multisrt.experiments.measures import Measure
     from multisrt.extras.frames import DataFrame, Package
 
@@ -358,6 +361,12 @@ class Comparison:
         from multisrt.reporting.page import write_report
 
         return write_report(self.results, Path(folder), folder=self._folder, **options)
+
+    @overload
+    def frame(self, frame: Literal["pandas"] | None = None) -> pandas.DataFrame: ...
+
+    @overload
+    def frame(self, frame: Literal["polars"]) -> polars.DataFrame: ...
 
     def frame(self, frame: Package | None = None) -> DataFrame:
         """Return the runs as a data frame, one row for each.

@@ -21,7 +21,7 @@ Report = Callable[[int, int], None]
 
 
 @contextmanager
-def watch_compilation(report: Report) -> Iterator[None]:
+def watch_compilation(report: Report, paused: Callable[[], None] | None = None) -> Iterator[None]:
     """Report the kernels that are compiled while a ``with`` block is executed.
 
     Calls of kernels are not slowed down: numba reports compilations, not calls, and none of a
@@ -33,6 +33,8 @@ def watch_compilation(report: Report) -> Iterator[None]:
         Called before and after each compilation, in the thread that compiles, with the number of
         kernels compiled so far and an estimate of how many it will be: `USED_SHARE` of the kernels
         of the modules imported so far that were not in the cache.
+    paused : callable, optional
+        Called after those reports that leave no kernel being compiled.
 
     Examples
     --------
@@ -42,15 +44,17 @@ def watch_compilation(report: Report) -> Iterator[None]:
     >>> counts
     []
     """
-    with event.install_listener("numba:compile", _Listener(report)):
+    with event.install_listener("numba:compile", _Listener(report, paused)):
         yield
 
 
 class _Listener(event.Listener):  # type: ignore[misc]
     """Counts compilations. That of a kernel includes those of the kernels that it calls."""
 
-    def __init__(self, report: Report) -> None:
+    def __init__(self, report: Report, paused: Callable[[], None] | None) -> None:
         self._report = report
+        self._paused = paused
+        self._begun = 0
         self._done = 0
         self._known = 0
         self._missing = 0
@@ -61,12 +65,15 @@ class _Listener(event.Listener):  # type: ignore[misc]
             new = declared_kernels()[self._known :]
             self._known += len(new)
             self._missing += sum(not is_cached(kernel) for kernel in new)
+            self._begun += 1
             self._tell()
 
     def on_end(self, event: event.Event) -> None:
         if _is_kernel(event):
             self._done += 1
             self._tell()
+            if self._done == self._begun and self._paused is not None:
+                self._paused()
 
     def _tell(self) -> None:
         self._report(self._done, max(self._done, math.ceil(USED_SHARE * self._missing)))

@@ -23,15 +23,17 @@ from multisrt.cli.recordings import recording_in
     "duration_s",
     type=float,
     metavar="S",
-    help="Seconds that the animation takes for the run; its last picture stays for another 2.  "
+    help="Length of the animation (s); its last picture stays for another 2 s.  "
     "[default: 24, less for shorter runs]",
 )
-@click.option("--speed", type=float, metavar="X", help="How many times as fast as the robots.")
+@click.option(
+    "--speed", type=float, metavar="X", help="Speed, as a multiple of that of the robots."
+)
 @click.option(
     "--fps",
     type=float,
     metavar="N",
-    help="Pictures a second; in SVG the steps a second in which things appear, as robots move "
+    help="Frames per second; in SVG the steps per second in which things appear, as robots move "
     "smoothly.  [default: MP4 25, GIF 10, SVG 5]",
 )
 @click.option(
@@ -68,7 +70,7 @@ def animate(
     from multisrt.terminal import LiveLine
 
     if drawing["duration_s"] is not None and drawing["speed"] is not None:
-        raise click.UsageError("--duration and --speed say the same thing: give one of them")
+        raise click.UsageError("--duration and --speed exclude each other: give one of them")
     pixels = None if size is None else _pixels(size)
     if out is not None:
         require_format(out)
@@ -93,7 +95,7 @@ def _pixels(size: str) -> int | tuple[int, int]:
     found = re.fullmatch(r"([0-9]{1,5})(?:x([0-9]{1,5}))?", size)
     if found is None:
         raise click.UsageError(
-            f"--size {size!r} is no size; write a width, as 960, or width and height, as 960x600"
+            f"--size {size!r} is not a size; give a width (960) or a width and a height (960x600)"
         )
     width, height = found.groups()
     return int(width) if height is None else (int(width), int(height))

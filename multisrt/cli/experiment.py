@@ -14,7 +14,7 @@ from multisrt.cli import candidates
 from multisrt.cli.experiment_check import check
 from multisrt.cli.imports import import_all, import_option, imports_again
 from multisrt.cli.mistakes import CommandGroup
-from multisrt.cli.output_options import force_option, quiet_option
+from multisrt.cli.output_options import force_option, quiet_option, store_option
 from multisrt.cli.outputs import require_no_file
 from multisrt.cli.running import Running, make_runs, print_gaps, running_options
 from multisrt.cli.spec_files import read_experiment
@@ -81,7 +81,7 @@ def new(file: Path, like: str | None, schema: bool) -> None:
     from multisrt.presets import preset_named
 
     if file.suffix != ".toml":
-        raise click.BadParameter(f"{file} must be named .toml", param_hint="FILE")
+        raise click.BadParameter(f"{file} must have the suffix .toml", param_hint="FILE")
     preset = None if like is None else preset_named(like).experiment(False)
     for path in write_new(file, like=preset, with_schema=schema):
         click.echo(path)
@@ -98,12 +98,7 @@ experiment.add_command(check)
     type=click.Path(path_type=Path),
     shell_complete=candidates.files_named(".toml"),
 )
-@click.option(
-    "--store",
-    type=click.Path(path_type=Path),
-    metavar="RESULTS",
-    help="File for the results.  [default: FILE with suffix .sqlite]",
-)
+@store_option()
 @running_options
 @click.option(
     "--recordings",

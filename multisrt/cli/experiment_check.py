@@ -10,6 +10,7 @@ import click
 
 from multisrt.cli import candidates
 from multisrt.cli.imports import import_all, import_option, imports_again
+from multisrt.cli.output_options import store_option
 from multisrt.cli.reach import elsewhere
 from multisrt.cli.spec_files import read_experiment
 
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 
     from multisrt.experiments.crossing import Condition, PlannedRun
     from multisrt.experiments.estimate import Estimate
+    from multisrt.experiments.job import Compilation
     from multisrt.experiments.results import Result
     from multisrt.experiments.spec import ExperimentSpec, Limits
 
@@ -45,12 +47,7 @@ MAX_ROWS = 24
     type=click.FloatRange(0.0),
     help="Time for trial runs (s); 0 skips them and the estimate.",
 )
-@click.option(
-    "--store",
-    type=click.Path(path_type=Path),
-    metavar="RESULTS",
-    help="File for the results, as for 'experiment run'.  [default: FILE with suffix .sqlite]",
-)
+@store_option("the results, as for 'experiment run'")
 @import_option
 def check(
     file: Path, workers: int | None, seconds: float, store: Path | None, imports: tuple[str, ...]
@@ -58,7 +55,7 @@ def check(
     """List an experiment's conditions and estimate its duration.
 
     FILE is read and every condition checked without storing anything. If there are results
-    already, they are to be those of this experiment. For the estimate a few trial runs are
+    already, they must be those of this experiment. For the estimate a few trial runs are
     executed, cheap ones first, and discarded.
 
     \b
@@ -145,7 +142,9 @@ def _estimate(
 ) -> Estimate | None:
     import msgspec
 
+    from multisrt.analysis.progress import compiling_note
     from multisrt.experiments.estimate import estimate
+    from multisrt.experiments.job import Compiling
     from multisrt.experiments.live import LiveProgress
     from multisrt.experiments.modules import own_strategies, worker_references
     from multisrt.experiments.runner import job_of
@@ -157,9 +156,14 @@ def _estimate(
 
     def make(run: PlannedRun, limits: Limits) -> Result:
         plain = msgspec.structs.replace(spec, limits=limits, recordings="none")
-        return worker.make(job_of(run, plain))
+        return worker.make(job_of(run, plain), tell)
 
     with LiveProgress() as live:
+
+        def tell(now: Compilation) -> None:
+            told = compiling_note(now.done, now.about) if isinstance(now, Compiling) else "runs"
+            live.update(description=told)
+
         try:
             return estimate(
                 spec,

@@ -271,7 +271,9 @@ def explore(
         )
     else:
         if Path(environment).suffix == ".toml":
-            raise click.UsageError(f"{environment} is no map: did you mean --spec {environment}?")
+            raise click.UsageError(
+                f"{environment} is not a map: did you mean --spec {environment}?"
+            )
         names = _named(strategies)
         specs = [spec_of_options(environment, name, given) for name in names or (None,)]
         _require_shared_options(specs)
@@ -311,14 +313,14 @@ def _progress(*, watch: bool, quiet: bool) -> Progress:
     if not watch:
         return Progress(quiet)
     if quiet:
-        raise click.UsageError("--watch draws while --quiet prints errors only: give one")
+        raise click.UsageError("--watch and --quiet exclude each other: give one of them")
     require_terminal()
     return Watching()
 
 
 def _require_opened(given: dict[str, Any]) -> None:
     if given["no_open"] and not (given["view"] or given["live"]):
-        raise click.UsageError("--no-open is about the page of --view or --live: give one of them")
+        raise click.UsageError("--no-open needs --view or --live: give one of them")
 
 
 def _show_page(runs: list[Run], page: Path, given: dict[str, Any], *, quiet: bool) -> None:

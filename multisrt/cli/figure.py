@@ -46,7 +46,7 @@ TABLES: Final = (".csv", ".md", ".tex")
     default="screen",
     show_default=True,
     metavar="STYLE",
-    help=f"Width and letters: {', '.join(STYLES)}.",
+    help=f"Width and font: {', '.join(STYLES)}.",
 )
 @click.option(
     "--time",

@@ -1,4 +1,4 @@
-"""Options of output, which all commands share: --out, --force and --quiet.
+"""Options of output, which commands share: --out, --store, --force and --quiet.
 
 A file made of recordings (a replay, an animation, a figure, an export) is written to the folder of
 the first recording unless ``--out`` names another place.
@@ -69,6 +69,27 @@ def out_folder(what: str, default: str) -> Decorator:
         metavar="DIR",
         shell_complete=candidates.folders,
         help=f"Folder for {what}.  [default: {default}]",
+    )
+
+
+def store_option(what: str = "the results") -> Decorator:
+    """Return the option --store of a command that is given the file of an experiment.
+
+    Parameters
+    ----------
+    what : str, optional
+        What the file holds.
+
+    Returns
+    -------
+    callable
+        The decorator of the command.
+    """
+    return click.option(
+        "--store",
+        type=click.Path(path_type=Path),
+        metavar="RESULTS",
+        help=f"File for {what}.  [default: FILE with suffix .sqlite]",
     )
 
 

@@ -103,14 +103,18 @@ def require_no_run(folder: Path, *, force: bool) -> None:
             f"cannot write to the folder {folder}: {error.strerror or error}"
         ) from None
     if there and not recorded:
-        raise InvalidInputError(
-            f"{folder / there[0]} exists already and is not of a run: name another folder (--out)"
-        )
+        raise _not_of_a_run(folder / there[0])
     if there and not force:
         raise InvalidInputError(
             f"{folder} holds a run already: name another folder (--out), or replace the run with "
             "--force"
         )
+
+
+def _not_of_a_run(path: Path) -> InvalidInputError:
+    return InvalidInputError(
+        f"{path} exists already and does not belong to a run: name another folder (--out)"
+    )
 
 
 def _is_recording(path: Path) -> bool:
@@ -182,7 +186,7 @@ def run_folder(folder: Path, *, force: bool = False, keep: Path | None = None) -
             made.insert(0, unfinished)
         except OSError as error:
             raise InvalidInputError(
-                f"cannot make the folder {folder}: {error.strerror or error}"
+                f"cannot create the folder {folder}: {error.strerror or error}"
             ) from None
         yield unfinished
         if force:
@@ -208,12 +212,10 @@ def _remove_partial(unfinished: Path, force: bool) -> None:
         return
     ours = {*RUN_FILES, *(f"{name}.part" for name in RUN_FILES)}
     if not unfinished.is_dir() or any(path.name not in ours for path in unfinished.iterdir()):
-        raise InvalidInputError(
-            f"{unfinished} exists already and is not of a run: name another folder (--out)"
-        )
+        raise _not_of_a_run(unfinished)
     if not force:
         raise InvalidInputError(
-            f"{unfinished} is of a run that was killed or is still going on: name another folder "
-            "(--out), or replace it with --force"
+            f"{unfinished} belongs to a run that was killed or is still in progress: name another "
+            "folder (--out), or replace it with --force"
         )
     shutil.rmtree(unfinished)

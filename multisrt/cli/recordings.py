@@ -40,5 +40,7 @@ def recording_in(path: Path) -> Path:
     if path.name in RUN_FILES and path.name != RECORDING_NAME:
         beside = path.with_name(RECORDING_NAME)
         if beside.is_file():
-            raise InvalidInputError(f"{path} is no recording; name that of the run: {beside}")
+            raise InvalidInputError(
+                f"{path} is not a recording; the recording of the run is {beside}"
+            )
     return path

@@ -28,7 +28,9 @@ RUNS_FAILED = 3
 
 @click.command()
 @click.argument("name", metavar="PAPER", shell_complete=candidates.papers)
-@click.option("--quick", is_flag=True, help="Fewer conditions and repetitions: some minutes.")
+@click.option(
+    "--quick", is_flag=True, help="Fewer conditions and repetitions: takes a few minutes."
+)
 @click.option(
     "--seeds",
     type=click.IntRange(1, 100_000),
@@ -169,7 +171,8 @@ def _make_folder(folder: Path) -> None:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise InvalidInputError(
-            f"cannot make the folder {folder}: {error.strerror or error}; choose another with --out"
+            f"cannot create the folder {folder}: {error.strerror or error}; choose another "
+            "with --out"
         ) from None
 
 

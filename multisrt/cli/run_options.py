@@ -143,7 +143,7 @@ def _team(given: Mapping[str, Any]) -> tuple[RobotSpec, ...]:
         )
     if differing and len(differing) != count:
         raise InvalidInputError(
-            f"--robot is about one robot and is given {_times(len(differing))} for {count}: give "
+            f"--robot describes one robot and is given {_times(len(differing))} for {count}: give "
             f"it once for each, '--robot {USUAL}' where nothing differs; for what all have in "
             "common there are options such as --range"
         )
@@ -156,7 +156,7 @@ def _team(given: Mapping[str, Any]) -> tuple[RobotSpec, ...]:
         "turning-radius": given["turning_radius"],
     }
     if places and any("start" in own for own in differing):
-        raise InvalidInputError("give starts by --start or by --robot start=..., not both")
+        raise InvalidInputError("give starts with --start or with --robot start=..., not both")
     team = [
         _of_drive(usual, own) | {"start": places[number] if places else None} | own
         for number, own in enumerate(differing or [{}] * count)
@@ -178,7 +178,7 @@ def _of_drive(usual: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any
     is_car = kind is not None and DriveSpec(kind=kind).is_car
     if "turning-radius" in own and not is_car:
         raise InvalidInputError(
-            f"--robot turning-radius={own['turning-radius']:g}: this robot is no car; give it "
+            f"--robot turning-radius={own['turning-radius']:g}: this robot is not a car; give it "
             "drive=reeds-shepp or drive=dubins"
         )
     return {key: None if key == "turning-radius" and not is_car else usual[key] for key in usual}

@@ -60,7 +60,8 @@ def read_experiment(path: Path) -> ExperimentSpec:
 
     if path.suffix == ".sqlite":
         raise InvalidInputError(
-            f"{path} is for results; name the experiment itself, as {path.with_suffix('.toml')}"
+            f"{path} is a file of results; name the experiment instead, such as "
+            f"{path.with_suffix('.toml')}"
         )
     return _read(path, ExperimentSpec.from_toml, ExperimentSpec.from_json)
 

@@ -45,8 +45,8 @@ def require_terminal() -> None:
     """
     if not sys.stderr.isatty():
         raise InvalidInputError(
-            "--watch draws on a terminal, and standard error is none: leave out --watch, or do not "
-            "redirect it"
+            "--watch draws on a terminal, and standard error is not one: leave out --watch, or do "
+            "not redirect it"
         )
     columns, rows = _size()
     if columns < MIN_COLUMNS or rows < MIN_ROWS:

@@ -6,7 +6,7 @@ import csv
 import io
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import get_args
+from typing import TYPE_CHECKING, Literal, get_args, overload
 
 import msgspec
 
@@ -20,6 +20,10 @@ from multisrt.extras import extra
 from multisrt.extras.frames import Column, DataFrame, Package, data_frame
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.recording import atomic_write
+
+if TYPE_CHECKING:
+    import pandas
+    import polars
 
 Value = bool | int | float | str | None
 
@@ -168,6 +172,16 @@ def frame_of(results: Results, frame: Package | None = None) -> DataFrame:
         {name: Column(kind, [row[name] for row in made]) for name, kind in columns().items()},
         frame,
     )
+
+
+@overload
+def load_results(
+    path: str | Path, *, frame: Literal["pandas"] | None = None
+) -> pandas.DataFrame: ...
+
+
+@overload
+def load_results(path: str | Path, *, frame: Literal["polars"]) -> polars.DataFrame: ...
 
 
 def load_results(path: str | Path, *, frame: Package | None = None) -> DataFrame:

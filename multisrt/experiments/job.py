@@ -91,13 +91,33 @@ class Unable(msgspec.Struct, frozen=True, tag="unable"):
     reason: str
 
 
+class Compiling(msgspec.Struct, frozen=True, tag="compiling"):
+    """Answer before that to a job: kernels are being compiled for its run.
+
+    Attributes
+    ----------
+    done, about : int
+        Number of kernels compiled so far, and about how many it will be.
+    """
+
+    done: int
+    about: int
+
+
+class Compiled(msgspec.Struct, frozen=True, tag="compiled"):
+    """Answer before that to a job: no kernel is being compiled any more, for the time being."""
+
+
 class Made(msgspec.Struct, frozen=True, tag="made"):
     """Answer to a job: the result of the run."""
 
     result: Result
 
 
-Answer = Ready | Unable | Made
+Compilation = Compiling | Compiled
+"""What a worker answers, any number of times, before it answers the job."""
+
+Answer = Ready | Unable | Compilation | Made
 
 ANSWERS = msgspec.json.Decoder(Answer)
 """Decodes a line that a worker wrote."""

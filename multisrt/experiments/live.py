@@ -7,6 +7,7 @@ import threading
 from types import TracebackType
 from typing import TYPE_CHECKING, Final, Self, TextIO
 
+from multisrt.analysis.progress import compiling_note
 from multisrt.terminal import LiveLine
 
 if TYPE_CHECKING:
@@ -14,6 +15,9 @@ if TYPE_CHECKING:
 
 EVERY_S: Final = 30.0
 """Time between two lines where no progress bar can be shown (s)."""
+
+NOTE_S: Final = 0.5
+"""Time after which the note of a bar is renewed, as kernels are compiled between two runs (s)."""
 
 
 class LiveProgress(LiveLine):
@@ -33,7 +37,9 @@ class LiveProgress(LiveLine):
         self._ticker: threading.Thread | None = None
         self._ends = threading.Event()
         self._latest: Progress | None = None
-        if shown and not self.shown:
+        if self.shown:
+            self._ticker = threading.Thread(target=self._renew, daemon=True)
+        elif shown:
             self._ticker = threading.Thread(target=self._tick, args=(sys.stderr,), daemon=True)
 
     def __enter__(self) -> Self:
@@ -58,6 +64,11 @@ class LiveProgress(LiveLine):
         self._latest = now
         self.update(description=now.what, total=now.total, completed=now.done, note=note_of(now))
 
+    def _renew(self) -> None:
+        while not self._ends.wait(NOTE_S):
+            if self._latest is not None:
+                self.say(note_of(self._latest))
+
     def _tick(self, file: TextIO) -> None:
         while not self._ends.wait(EVERY_S):
             if self._latest is not None:
@@ -66,6 +77,8 @@ class LiveProgress(LiveLine):
 
 def line_of(now: Progress) -> str:
     """Return the progress as a line of text, with the run that has taken longest so far.
+
+    While kernels are compiled, it has their number instead of the run.
 
     Parameters
     ----------
@@ -80,12 +93,14 @@ def line_of(now: Progress) -> str:
     told = f"{now.done} of {now.total} {now.what}"
     if now.failed:
         told += f", {now.failed} failed"
+    if (kernels := now.under_way.compiling()) is not None:
+        return f"{told}; {compiling_note(kernels.done, kernels.about)}"
     longest = now.under_way.longest()
     return told if longest is None else f"{told}; {longest}"
 
 
 def note_of(now: Progress) -> str:
-    """Return rate, remaining time and number of failures, in words.
+    """Return rate, remaining time, kernels being compiled and number of failures, in words.
 
     Parameters
     ----------
@@ -98,12 +113,15 @@ def note_of(now: Progress) -> str:
         Such as "1 200 an hour, 5 min left, 2 failed".
     """
     parts = []
+    kernels = now.under_way.compiling()
     if now.per_hour is not None and now.left_s is not None:
         parts.append(f"{now.per_hour:,.0f} an hour".replace(",", " "))
         if now.done < now.total:
             parts.append(f"{duration(now.left_s)} left")
-    elif now.done < now.total:
+    elif now.done < now.total and not now.under_way.has_compiled:
         parts.append("starting workers")
+    if kernels is not None:
+        parts.append(compiling_note(kernels.done, kernels.about))
     if now.failed:
         parts.append(f"{now.failed} failed")
     return ", ".join(parts)

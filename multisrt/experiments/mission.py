@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import time
 import traceback
-from contextlib import nullcontext
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, nullcontext
 from functools import lru_cache
 from pathlib import Path
 
@@ -14,11 +15,13 @@ from multisrt.analysis.measuring import measure_with_curve
 from multisrt.analysis.metrics import SUCCESS_COVERAGE, Metrics
 from multisrt.environments.environment import Environment
 from multisrt.experiments.crossing import PlannedRun
+from multisrt.experiments.job import Compilation, Compiled, Compiling
 from multisrt.experiments.limits import OverTimeError, within
 from multisrt.experiments.memory import peak_memory_mb, reset_peak_memory
 from multisrt.experiments.results import Result, Status
 from multisrt.experiments.spec import Limits
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.numerics.compilation import watch_compilation
 from multisrt.recording import Recording
 from multisrt.robots.defects import ExplorerDefect
 from multisrt.simulation.simulate import simulate
@@ -106,6 +109,22 @@ def make_run(
     if recording_path is not None and recording is not None and (result.failed or not only_failed):
         recording.save(recording_path)
     return result
+
+
+@contextmanager
+def compilation_told(tell: Callable[[Compilation], None]) -> Iterator[None]:
+    """Report the kernels that are compiled while a ``with`` block is executed.
+
+    Parameters
+    ----------
+    tell : callable
+        Takes a `Compiling` before and after each compilation, and a `Compiled` when no kernel is
+        being compiled any more.
+    """
+    with watch_compilation(
+        lambda done, about: tell(Compiling(done, about)), lambda: tell(Compiled())
+    ):
+        yield
 
 
 def world_of(spec: EnvironmentSpec) -> Environment:

@@ -46,7 +46,8 @@ class Progress:
     what : str
         What is made: "runs", or then "informed plans" if the experiment asks for them.
     under_way : JobsUnderWay
-        The runs that are being made meanwhile; empty on a cluster.
+        The runs that are being made meanwhile, and the kernels that are compiled for them; empty
+        on a cluster.
 
     Examples
     --------
@@ -348,10 +349,10 @@ class _Makers:
 def _made_in_this_process(
     jobs: Iterator[Job], under_way: JobsUnderWay
 ) -> Generator[Result, None, None]:
-    from multisrt.experiments.mission import make_run
+    from multisrt.experiments.mission import compilation_told, make_run
 
     for job in jobs:
-        with under_way.making(job):
+        with under_way.making(job) as tell, compilation_told(tell):
             result = make_run(
                 job.run,
                 None,
@@ -373,8 +374,8 @@ def _made_here(
     def serve(worker: Worker) -> None:
         try:
             while (job := waiting.next()) is not None:
-                with under_way.making(job):
-                    result = worker.make(job)
+                with under_way.making(job) as tell:
+                    result = worker.make(job, tell)
                 answers.put(result)
             answers.put(None)
         except StoppedError:

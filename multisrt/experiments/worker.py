@@ -12,7 +12,7 @@ import signal
 import subprocess
 import threading
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import IO
@@ -20,7 +20,17 @@ from typing import IO
 import msgspec
 
 from multisrt.experiments.import_path import python_command
-from multisrt.experiments.job import ANSWERS, Answer, Job, Made, Ready, Unable
+from multisrt.experiments.job import (
+    ANSWERS,
+    Answer,
+    Compilation,
+    Compiled,
+    Compiling,
+    Job,
+    Made,
+    Ready,
+    Unable,
+)
 from multisrt.experiments.limits import GRACE_S
 from multisrt.experiments.modules import reference_of
 from multisrt.experiments.provenance import Provenance, changed_strategies, differences, provenance
@@ -75,7 +85,7 @@ class Worker:
         """Process id, or None while there is no process."""
         return None if self._process is None else self._process.pid
 
-    def make(self, job: Job) -> Result:
+    def make(self, job: Job, tell: Callable[[Compilation], None] | None = None) -> Result:
         """Execute a run.
 
         If the process is killed from outside, as by a kernel short of memory, the run may not be
@@ -85,6 +95,8 @@ class Worker:
         ----------
         job : Job
             The run, its limits and where its recording goes.
+        tell : callable, optional
+            Called, in this thread, with what the process says about kernels that it compiles.
 
         Returns
         -------
@@ -103,6 +115,10 @@ class Worker:
         while True:
             process = self._ready()
             answer = process.ask(msgspec.json.encode(job))
+            while isinstance(answer, Compiling | Compiled):
+                if tell is not None:
+                    tell(answer)
+                answer = process.hear()
             if isinstance(answer, Made):
                 if answer.result.status in ("over_time", "over_memory"):
                     self._end()  # such a run may leave anything behind
@@ -216,7 +232,7 @@ class _Process:
         self._ending = threading.Lock()
 
     def ask(self, job: bytes) -> Answer | None:
-        """Send a job and return the answer; None if the process ends."""
+        """Send a job and return the first answer; None if the process ends."""
         try:
             self._jobs.write(job + b"\n")
             self._jobs.flush()

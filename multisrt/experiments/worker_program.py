@@ -2,7 +2,8 @@
 
 `python -m multisrt.experiments.worker_program [--path=FOLDER ...] [MODULE ...]` adds the folders
 to the end of its import path and imports the modules, then reads jobs from standard input and
-writes answers to standard output, one JSON object a line (see `job`).
+writes answers to standard output, one JSON object a line (see `job`): one to each job, and before
+it any number that say which kernels are being compiled.
 Whatever strategies print goes to standard error. The program ends when its input ends, even in
 the middle of a run.
 """
@@ -17,6 +18,7 @@ import signal
 import sys
 import threading
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import IO
 
@@ -54,7 +56,7 @@ def main(arguments: Sequence[str]) -> None:
         _answer(answers, Unable(str(error)))
         return
     import multisrt.robots.explorers  # noqa: F401, what the first explorer would import
-    from multisrt.experiments.mission import make_run
+    from multisrt.experiments.mission import compilation_told, make_run
 
     gc.collect()
     gc.freeze()  # what was imported stays
@@ -62,20 +64,22 @@ def main(arguments: Sequence[str]) -> None:
     lines: queue.SimpleQueue[bytes] = queue.SimpleQueue()
     threading.Thread(target=_read, args=(jobs, lines), daemon=True).start()
     _answer(answers, Ready(made_by))
+    tell = partial(_answer, answers)
     decoder = msgspec.json.Decoder(Job)
     trimmer = MemoryTrimmer()
     while True:
         job = decoder.decode(lines.get())
         path = Path(job.recording) if job.recording else None
         try:
-            result = make_run(
-                job.run,
-                job.limits,
-                path,
-                only_failed=job.only_failed,
-                success_coverage=job.success_coverage,
-                horizon_s=job.horizon_s,
-            )
+            with compilation_told(tell):
+                result = make_run(
+                    job.run,
+                    job.limits,
+                    path,
+                    only_failed=job.only_failed,
+                    success_coverage=job.success_coverage,
+                    horizon_s=job.horizon_s,
+                )
         except InvalidInputError as error:
             _answer(answers, Unable(str(error)))
         else:

@@ -161,7 +161,7 @@ def draw_figure(
     recordings : Recording or sequence of Recording
         The runs.
     style : {"ieee", "ieee-wide", "springer", "springer-wide", "screen"}, optional
-        Width and letters of the figure; see `STYLES`.
+        Width and font of the figure; see `STYLES`.
     options : FigureOptions, optional
         Times, robots and the like, for kinds that depend on them.
 

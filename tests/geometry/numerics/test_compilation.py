@@ -12,14 +12,17 @@ import pytest
 COUNTED = """
 import numpy as np
 from multisrt.geometry.numerics.compilation import watch_compilation
-counts = []
-with watch_compilation(lambda *count: counts.append(count)):
+counts, pauses = [], []
+with watch_compilation(lambda *count: counts.append(count), lambda: pauses.append(counts[-1])):
     from multisrt.geometry.regions.edge_index import EdgeIndex, no_edge_within
     walls = EdgeIndex(np.array([[0.0, 0.0, 1.0, 0.0]]), 1.0)
     assert no_edge_within(0.5, 0.3, 0.6, 0.3, 0.2, walls.grid)
     within = list(counts)
     no_edge_within(0.5, 0.3, 0.6, 0.3, 0.2, walls.grid)
 assert within == counts
+# Kernels that others call are compiled within those: fewer pauses than kernels.
+assert bool(pauses) == bool(counts) and len(pauses) <= len(counts) // 2
+assert pauses[-1:] == counts[-1:]
 print(counts)
 """
 

@@ -51,7 +51,7 @@ def test_films_are_written_by_their_suffix(call, folder, run):
             "animations are files of the formats .mp4, .gif, .svg; a.webm",
         ),
         (["out", "--out", "none/a.svg"], "none/a.svg"),
-        (["out", "--size", "960x"], "--size '960x' is no size; write a width, as 960"),
+        (["out", "--size", "960x"], "--size '960x' is not a size; give a width (960)"),
         (["out", "--size", "9"], "width of the animation is 9 pixels; give 200 to 4096"),
         (["out", "--duration", "0"], "give a number from 0.5 to 600"),
         (["out", "--duration", "5", "--speed", "5"], "give one of them"),

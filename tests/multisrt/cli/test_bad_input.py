@@ -96,7 +96,7 @@ def bad_worlds(folder: Path) -> None:
         (["room.wkt", "--robots", "4", "--robot", "range=2"], "is given once for 4"),
         (["room.wkt", "--range", "2", "--robot", "range=3"], "--range is used by no robot"),
         (["room.wkt", "--turning-radius", "0.6"], "--turning-radius is used by no robot: none"),
-        (["room.wkt", "--robot", "turning-radius=1"], "this robot is no car"),
+        (["room.wkt", "--robot", "turning-radius=1"], "this robot is not a car"),
         (["room.wkt", "--start", "1,1", "--robot", "start=2,2"], "not both"),
         (["room.wkt", "--starts", "clustered"], "--starts is for teams"),
         (["room.wkt", "--jitter", "0.1"], "--jitter is for teams"),
@@ -185,7 +185,7 @@ def test_an_unreadable_output_folder(call, monkeypatch):
     monkeypatch.setattr(Path, "exists", guarded)
     code, _, err = call("explore", "room.wkt", "--out", "locked")
     assert code == 2
-    assert err == "error: cannot make the folder locked: Permission denied\n"
+    assert err == "error: cannot create the folder locked: Permission denied\n"
 
 
 @pytest.mark.parametrize(

@@ -20,8 +20,8 @@ from multisrt.analysis.metrics import Metrics
 from multisrt.cli.experiment_check import MAX_ROWS
 from multisrt.experiments import live, runner, template, worker
 from multisrt.experiments.crossing import runs
-from multisrt.experiments.job import Job
-from multisrt.experiments.live import LiveProgress, duration, note_of
+from multisrt.experiments.job import Compiled, Compiling, Job
+from multisrt.experiments.live import LiveProgress, duration, line_of, note_of
 from multisrt.experiments.mission import make_run
 from multisrt.experiments.results import Result
 from multisrt.experiments.runner import Progress, job_of
@@ -181,7 +181,7 @@ def test_new_replaces_only_an_older_schema(call, folder):
 @pytest.mark.parametrize(
     ("words", "told"),
     [
-        (("new", "a.txt"), "a.txt must be named .toml"),
+        (("new", "a.txt"), "a.txt must have the suffix .toml"),
         (("new", "a.toml", "--like", "minpoz"), "no preset 'minpoz' (did you mean 'minpos'?)"),
         (("new", "room.wkt/a.toml"), "cannot write room.wkt/a.toml"),
         (("check", "no.toml"), "no.toml: No such file or directory"),
@@ -251,7 +251,7 @@ def test_check_cuts_a_long_table(call, folder):
 
 @pytest.mark.slow
 def test_check_estimates_from_a_few_runs(call, monkeypatch, measured):
-    monkeypatch.setattr(worker.Worker, "make", lambda self, job: _priced(job, measured))
+    monkeypatch.setattr(worker.Worker, "make", lambda self, job, tell: _priced(job, measured))
     code, out, err = call("check", "small.toml", "--seconds", "9", "--workers", "1")
     assert (code, err) == (0, "")
     # 2 repetitions of 2 x (0.5 + 1.0) s.
@@ -261,9 +261,25 @@ def test_check_estimates_from_a_few_runs(call, monkeypatch, measured):
 
 
 @pytest.mark.slow
+def test_check_shows_that_kernels_are_compiled(call, monkeypatch, measured):
+    shown = []
+
+    def make(self, job, tell):
+        tell(Compiling(5, 41))
+        tell(Compiled())
+        return _priced(job, measured)
+
+    monkeypatch.setattr(worker.Worker, "make", make)
+    monkeypatch.setattr(LiveProgress, "update", lambda self, **what: shown.append(what))
+    call("check", "small.toml", "--seconds", "9", "--workers", "1")
+    assert {"description": "compiling kernels (5 of about 41)"} in shown
+    assert shown[-1] == {"description": "runs"}
+
+
+@pytest.mark.slow
 def test_check_warns_of_trial_runs_without_success(call, monkeypatch, measured):
     little = msgspec.structs.replace(measured, coverage=0.3, seen=0.4)
-    monkeypatch.setattr(worker.Worker, "make", lambda self, job: _priced(job, little))
+    monkeypatch.setattr(worker.Worker, "make", lambda self, job, tell: _priced(job, little))
     _, _, err = call("check", "small.toml", "--seconds", "9", "--workers", "1")
     told = "warning: [room, srt-star, 1 robot, scattered, unlimited, disc:0.25]: complete: covered"
     assert f"{told} 30.0 %, seen 40.0 %" in err
@@ -463,6 +479,25 @@ def test_durations(seconds, told):
     assert duration(seconds) == told
 
 
+def test_kernels_being_compiled_are_noted_instead_of_the_longest_run():
+    spec = ExperimentSpec(name="x", environments=("open",), strategies=("minpos",))
+    first, second = (job_of(run, spec) for run in runs(spec)[:2])
+    now = progress(0, 0, 0.0)
+    with now.under_way.making(first) as tell, now.under_way.making(second) as tell_too:
+        assert note_of(now) == "starting workers"
+        tell(Compiling(2, 40))
+        tell_too(Compiling(5, 41))
+        assert note_of(now) == "compiling kernels (5 of about 41)"
+        assert line_of(now) == "0 of 100 runs; compiling kernels (5 of about 41)"
+        tell_too(Compiled())
+        assert note_of(now) == "compiling kernels (2 of about 40)"
+        tell(Compiled())
+        assert note_of(now) == ""
+        assert "has run for" in line_of(now)
+        tell(Compiling(3, 40))
+    assert now.under_way.compiling() is None
+
+
 def test_no_bar_without_a_terminal(capsys):
     with LiveProgress() as bar:
         bar(progress(40, 20, 60.0))
@@ -487,6 +522,20 @@ def test_without_a_terminal_a_line_names_the_longest_run(monkeypatch, capsys, tm
         bar(now)
         time.sleep(0.05)
     assert capsys.readouterr() == ("", "")
+
+
+def test_the_note_of_a_bar_is_renewed_between_runs(monkeypatch):
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
+    monkeypatch.setattr(live, "NOTE_S", 0.01)
+    spec = ExperimentSpec(name="x", environments=("open",), strategies=("minpos",))
+    now = progress(0, 0, 0.0)
+    with LiveProgress() as bar, now.under_way.making(job_of(runs(spec)[0], spec)) as tell:
+        bar(now)
+        tell(Compiling(5, 41))
+        until = time.monotonic() + 5.0
+        while bar._now["note"] == "starting workers" and time.monotonic() < until:
+            time.sleep(0.01)
+        assert bar._now["note"] == "compiling kernels (5 of about 41)"
 
 
 def test_a_bar_on_a_terminal(monkeypatch, capsys):

@@ -77,7 +77,7 @@ def test_nothing_is_replaced_unless_asked_for(call, folder, run):
         (["none", "--out", "x.mcap"], "none: No such file"),
         (["room.wkt", "--out", "x.mcap"], "room.wkt is not a recording"),
         (["cut.jsonl", "--out", "x.mcap"], "cut.jsonl: the run was cut off"),
-        (["out/run.json", "--out", "x.mcap"], "name that of the run: out/recording.jsonl"),
+        (["out/run.json", "--out", "x.mcap"], "the recording of the run is out/recording.jsonl"),
         (["out", "--out", "x.mcap", "--rate", "0"], "the rate of poses is above 0"),
         (["out", "--out", "x.mcap", "--rate", "nan"], "the rate of poses is above 0"),
         (["out", "--out", "x.mcap", "--map-interval", "0"], "the interval of maps is from 0.01"),

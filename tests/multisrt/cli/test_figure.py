@@ -77,7 +77,7 @@ def test_files_are_replaced_only_by_force(call, run, folder):
         (["activity", "out", "--out", "d.csv"], "d.csv: figures are written as"),
         (["activity", "none"], "none: No such file"),
         (["activity", "room.wkt"], "room.wkt is not a recording"),
-        (["activity", "out/run.json"], "is no recording"),
+        (["activity", "out/run.json"], "is not a recording"),
         (["activity"], "RECORDING... is missing"),
     ],
 )

@@ -116,7 +116,7 @@ def test_before_the_first_page_nothing_is_left(call, folder, monkeypatch):
 def test_no_open_needs_a_page(call):
     code, _, err = call(*WORDS, "--no-open")
     assert code == 2
-    assert "--no-open is about the page of --view or --live" in err
+    assert "--no-open needs --view or --live" in err
 
 
 def test_pages_take_a_small_share_of_the_time(monkeypatch, tmp_path, team_recording):

@@ -34,11 +34,11 @@ from tests.multisrt.cli.commands import everything
         (["check", "museum"], "an environment, not a strategy: multisrt check STRATEGY --world mu"),
         (["compare", "museum"], "(did you mean 'multisrt experiment new FILE.toml'?)"),
         (["report", "ex.toml"], "its results are in ex.sqlite, which 'multisrt experiment run"),
-        (["experiment", "run", "ex.sqlite"], "name the experiment itself, as ex.toml"),
+        (["experiment", "run", "ex.sqlite"], "name the experiment instead, such as ex.toml"),
         (["explore"], "'multisrt environments' lists some"),
         (["strategies", "minpos", "greedy"], "too many words: greedy; see 'multisrt strategies"),
         (["report"], "RESULTS is missing; see 'multisrt report --help'"),
-        (["experiment", "new", "star"], "FILE: star must be named .toml"),
+        (["experiment", "new", "star"], "FILE: star must have the suffix .toml"),
         (["completion", "fihs"], "'fihs' is not one of bash, zsh, fish (did you mean 'fish'?)"),
     ],
 )

@@ -57,10 +57,12 @@ def everything_new(folder):
 def test_force_replaces_no_file_that_is_of_no_run(tmp_path):
     (tmp_path / "spec.toml").write_text("mine")
     for force in (False, True):
-        with pytest.raises(InvalidInputError, match=r"spec\.toml exists already and is not of a"):
+        with pytest.raises(
+            InvalidInputError, match=r"spec\.toml exists already and does not belong"
+        ):
             require_no_run(tmp_path, force=force)
     (tmp_path / "recording.jsonl").write_text("a song")
-    with pytest.raises(InvalidInputError, match="not of a run"):
+    with pytest.raises(InvalidInputError, match="does not belong to a run"):
         require_no_run(tmp_path, force=True)
 
 
@@ -73,7 +75,7 @@ def test_a_folder_with_other_files_takes_a_run(tmp_path):
 def test_an_unfinished_run_is_removed_only_by_force(tmp_path):
     (tmp_path / "unfinished").mkdir()
     (tmp_path / "unfinished" / "recording.jsonl.part").write_text("half")
-    with pytest.raises(InvalidInputError, match="killed or is still going on"):
+    with pytest.raises(InvalidInputError, match="killed or is still in progress"):
         write(tmp_path)
     write(tmp_path, force=True)
     assert sorted(everything(tmp_path)) == ["recording.jsonl", "tree.svg"]
@@ -83,7 +85,7 @@ def test_a_folder_of_the_same_name_is_never_removed(tmp_path):
     (tmp_path / "unfinished").mkdir()
     (tmp_path / "unfinished" / "novel.txt").write_text("chapter 1")
     for force in (False, True):
-        with pytest.raises(InvalidInputError, match="not of a run"):
+        with pytest.raises(InvalidInputError, match="does not belong to a run"):
             write(tmp_path, force=force)
     assert (tmp_path / "unfinished" / "novel.txt").read_text() == "chapter 1"
 

@@ -114,7 +114,7 @@ def test_a_store_of_another_paper_is_refused(reproduce):
     ("words", "says"),
     [
         (("min-pos",), "error: there is no preset 'min-pos' (did you mean 'minpos'?)"),
-        (("alvarez", "--out", "taken"), "error: cannot make the folder taken: "),
+        (("alvarez", "--out", "taken"), "error: cannot create the folder taken: "),
         (("alvarez", "--quick", "--seeds", "1", "--store", "taken"), "error: taken: not a file of"),
     ],
 )

@@ -98,7 +98,10 @@ def test_too_many_runs_are_refused_before_they_are_made(call, folder):
         ([], "RECORDING... is missing"),
         (["none.jsonl"], "none.jsonl: No such file"),
         (["room.wkt"], "room.wkt is not a recording"),
-        (["out/run.json"], "out/run.json is no recording; name that of the run: out/recording"),
+        (
+            ["out/run.json"],
+            "out/run.json is not a recording; the recording of the run is out/recording",
+        ),
         (["cut.jsonl"], "cut.jsonl: the run was cut off"),
         (["old.jsonl"], "old.jsonl: format version 2; this program reads"),
         (["out", "--out", "none/replay.html"], "cannot write none/replay.html"),

@@ -139,7 +139,7 @@ def test_strategies_have_a_picture_each(folder):
 def test_without_a_terminal_it_is_an_error(call: Call, folder):
     code, out, err = call(*RUN)
     assert (code, out) == (2, "")
-    assert "--watch draws on a terminal, and standard error is none" in err
+    assert "--watch draws on a terminal, and standard error is not one" in err
     assert not (folder / "run").exists()
 
 

@@ -59,7 +59,7 @@ def test_why_finds_the_recording_in_a_folder(call, folder):
         "error: two holds 2 runs: name one of two/closest, two/srt-star\n"
     )
     assert call("why", "one/run.json")[2] == (
-        "error: one/run.json is no recording; name that of the run: one/recording.jsonl\n"
+        "error: one/run.json is not a recording; the recording of the run is one/recording.jsonl\n"
     )
     (folder / "none").mkdir()
     assert call("why", "none")[2] == (

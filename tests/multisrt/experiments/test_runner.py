@@ -5,6 +5,7 @@ import signal
 import sys
 import textwrap
 import threading
+from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
 
@@ -12,12 +13,14 @@ import msgspec
 import pytest
 
 from multisrt.experiments.crossing import runs
+from multisrt.experiments.job import Compiled, Compiling
 from multisrt.experiments.mission import make_run
 from multisrt.experiments.provenance import provenance
 from multisrt.experiments.results import Result
 from multisrt.experiments.runner import Progress, cores, job_of, run_experiment
 from multisrt.experiments.spec import ExperimentSpec, Limits
 from multisrt.experiments.store import Store
+from multisrt.experiments.under_way import JobsUnderWay
 from multisrt.experiments.worker import StoppedError, Worker
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.recording import Recording
@@ -87,11 +90,17 @@ MISCHIEF = """
         kept.append(blocks[-1])
         return as_usual(me)
 
+    def compile_one(me, options):
+        from uncompiled import double
+        assert double(2.0) == 4.0
+        return as_usual(me)
+
     def sleep(me, options):
         Path("asleep").touch()
         time.sleep(1e6)
 
-    for does in (hang, hang_in_c, eat, crash, leave, die, die_once, chat, litter, scatter, sleep):
+    odd = (hang, hang_in_c, eat, crash, leave, die, die_once, chat, litter, scatter, sleep)
+    for does in (*odd, compile_one):
         name = does.__name__.replace("_", "-")
         register(Strategy(name=name, summary="", options=NoOptions, explorer=does))
 """
@@ -259,6 +268,41 @@ def worker(mischief):
     worker = Worker([mischief])
     yield worker
     worker.stop()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("workers", [0, 1])
+def test_kernels_being_compiled_are_known_meanwhile(path, mischief, tmp_path, monkeypatch, workers):
+    (tmp_path / "uncompiled.py").write_text(
+        "from multisrt.geometry.numerics.kernel import kernel\n\n"
+        "@kernel\ndef double(x):\n    return 2.0 * x\n"
+    )
+    told = []
+    making = JobsUnderWay.making
+
+    @contextmanager
+    def overheard(self, job):
+        with making(self, job) as tell:
+
+            def both(now):
+                tell(now)
+                told.append((now, self.compiling()))
+
+            yield both
+
+    monkeypatch.setattr(JobsUnderWay, "making", overheard)
+    spec = ExperimentSpec(
+        name="compiles", environments=("open",), strategies=("compile-one",), repetitions=1
+    )
+    with Store.create_or_open(path, spec) as store:
+        run_experiment(store, workers=workers, modules=[mischief])
+        assert [result.status for result in store.results()] == ["complete"]
+    sys.modules.pop("uncompiled", None)
+    said = [now for now, _ in told]
+    assert Compiled() in said
+    compiling = [now for now in said if isinstance(now, Compiling)]
+    assert [now.done for now in compiling][:2] == [0, 1]
+    assert all(seen == (now if now in compiling else None) for now, seen in told)
 
 
 @pytest.mark.slow

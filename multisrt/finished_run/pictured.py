@@ -1,0 +1,275 @@
+"""Pictures of a finished run: trees, curves, figures, animations and replays."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from multisrt.extras.notebook import picture_html, table_html
+from multisrt.finished_run.measured import MeasuredRun
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from multisrt.drawing.figures import FigureOptions
+
+
+class PicturedRun(MeasuredRun):
+    """A run with its pictures; see `Run`."""
+
+    def plot(self, ax: Axes | None = None, *, without: Iterable[str] = ()) -> Axes:
+        """Draw the run on axes of matplotlib: the same as in its SVG picture, in the same colours.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Where to draw; their aspect becomes equal. By default a new figure of pyplot, with
+            title and legend.
+        without : iterable of str, optional
+            Layers to leave out; see `save_svg`.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes; units are metres.
+
+        Raises
+        ------
+        MissingExtraError
+            If matplotlib is not installed (``multisrt[plots]``).
+
+        Examples
+        --------
+        >>> import multisrt as ms
+        >>> from matplotlib.figure import Figure
+        >>> figure = Figure()
+        >>> ms.explore("open", seed=1, max_time_s=10.0).plot(figure.add_subplot()).get_title()
+        ''
+        """
+        from multisrt.drawing import plot_run
+
+        return plot_run(self.recording, ax, without=without)
+
+    def plot_coverage(self, ax: Axes | None = None, **line: Any) -> Axes:
+        """Draw the share of the explorable area that the team had covered, against time.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Where to draw, so that several runs can be compared. By default a new figure of
+            pyplot, with labels of the axes.
+        **line
+            Properties of the line, such as `color`; its label is the strategy by default.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes.
+
+        Raises
+        ------
+        MissingExtraError
+            If matplotlib is not installed (``multisrt[plots]``).
+
+        Examples
+        --------
+        >>> import multisrt as ms
+        >>> from matplotlib.figure import Figure
+        >>> ax = Figure().add_subplot()
+        >>> run = ms.explore("open", seed=1, max_time_s=10.0)
+        >>> [drawn.get_label() for drawn in run.plot_coverage(ax).lines]
+        ['srt-radial']
+        """
+        from multisrt.drawing.axes import plot_steps
+
+        times_s, shares = self._curve["time_s"].values, self._curve["coverage"].values
+        return plot_steps(times_s, shares, ax, **{"label": self.spec.strategy} | line)
+
+    def to_svg(self, *, without: Iterable[str] = ()) -> str:
+        """Return the picture of the run: its exploration trees or paths, as an SVG document.
+
+        Parameters
+        ----------
+        without : iterable of str, optional
+            Layers to leave out; see `save_svg`.
+
+        Returns
+        -------
+        str
+            The document; equal runs have equal documents.
+
+        Raises
+        ------
+        InvalidInputError
+            If there is no such layer.
+
+        Examples
+        --------
+        >>> import multisrt as ms
+        >>> run = ms.explore("open", seed=1, max_time_s=10.0)
+        >>> run.to_svg(without=["outlines", "nodes"]).count("<svg")
+        1
+        """
+        from multisrt.drawing import tree_svg
+
+        return tree_svg(self.recording, without=without)
+
+    def save_svg(self, path: str | Path, *, without: Iterable[str] = ()) -> None:
+        """Draw the exploration trees, or the paths of frontier bidding, as SVG.
+
+        Parameters
+        ----------
+        path : str or Path
+            The file; it is written completely or not at all.
+        without : iterable of str, optional
+            Layers to leave out: names of `multisrt.drawing.LAYERS`, such as `outlines` or `nodes`.
+
+        Raises
+        ------
+        InvalidInputError
+            If there is no such layer, or the file cannot be written.
+
+        Examples
+        --------
+        >>> import multisrt as ms
+        >>> run = ms.explore("open", seed=1, max_time_s=10.0)
+        >>> run.save_svg("tree.svg")
+        >>> run.save_svg("bare.svg", without=["outlines", "nodes"])
+        """
+        from multisrt.drawing import save_tree_svg
+
+        save_tree_svg(self.recording, path, without=without)
+
+    def animate(
+        self,
+        path: str | Path,
+        *,
+        duration_s: float | None = None,
+        speed: float | None = None,
+        fps: float | None = None,
+        size: int | tuple[int, int] | None = None,
+        without: Collection[str] = (),
+    ) -> None:
+        """Write an animation of the run, as MP4, GIF, or SVG that moves by itself.
+
+        Parameters
+        ----------
+        path : str or Path
+            The file, ``.mp4``, ``.gif`` or ``.svg``; it is written completely or not at all.
+        duration_s : float, optional
+            Time that the animation takes for the run, from 0.5 to 600 seconds; the last picture
+            stays for another two. By default 24 s, or as long as the run if that is shorter.
+        speed : float, optional
+            How many times as fast as the robots it is, instead of a duration.
+        fps : float, optional
+            Pictures a second, from 1 to 60; 25 by default, 10 in a GIF. In SVG robots move
+            smoothly, and all else appears in steps, 5 a second by default.
+        size : int or (int, int), optional
+            Width in pixels, or width and height; by default a width of 1280, of 720 for GIF and of
+            960 for SVG.
+        without : collection of str, optional
+            Layers to leave out: ``areas``, ``paths``, ``edges``, ``nodes``, ``goals``, ``bodies``,
+            ``caption``.
+
+        Raises
+        ------
+        InvalidInputError
+            If an argument is out of range, or the file cannot be written.
+        MissingExtraError
+            If an MP4 or GIF is to be written and imageio-ffmpeg is not installed
+            (``multisrt[animation]``).
+        EncodingError
+            If ffmpeg fails.
+
+        Examples
+        --------
+        >>> import multisrt as ms
+        >>> run = ms.explore("open", seed=1, max_time_s=10.0)
+        >>> run.animate("run.svg")
+        >>> run.animate("run.gif", duration_s=2.0, size=300)
+        """
+        from multisrt.drawing.animation import save_animation
+
+        save_animation(
+            self.recording,
+            path,
+            duration_s=duration_s,
+            speed=speed,
+            fps=fps,
+            size=size,
+            without=without,
+        )
+
+    def replay(self, path: str | Path) -> None:
+        """Write a page that replays the run in a browser, without network or server.
+
+        Parameters
+        ----------
+        path : str or Path
+            The file, of at most 20 MB; it is written completely or not at all.
+
+        Raises
+        ------
+        InvalidInputError
+            If the file cannot be written, or would be larger.
+
+        See Also
+        --------
+        multisrt.replay.save_replay : replays of several runs side by side.
+
+        Examples
+        --------
+        >>> import multisrt as ms
+        >>> ms.explore("open", seed=1, max_time_s=10.0).replay("replay.html")
+        """
+        from multisrt.replay import save_replay
+
+        save_replay(self.recording, path)
+
+    def save_figure(
+        self,
+        kind: str,
+        path: str | Path,
+        *,
+        style: str = "screen",
+        options: FigureOptions | None = None,
+    ) -> None:
+        """Draw a figure for a paper, page or slide.
+
+        Parameters
+        ----------
+        kind : str
+            Which figure: `map`, `maps`, `trajectories`, `coverage`, `activity`, `visits`,
+            `isolation` or `decisions`.
+        path : str or Path
+            The file: ``.pdf``, ``.svg`` or ``.png``. It is written completely or not at all.
+        style : {"ieee", "ieee-wide", "springer", "springer-wide", "screen"}, optional
+            Width and font of the figure.
+        options : FigureOptions, optional
+            Times, robots and the like, for kinds that depend on them; see
+            `multisrt.drawing.figures`.
+
+        Raises
+        ------
+        InvalidInputError
+            If there is no such kind, style, robot or time, or the file cannot be written.
+        MissingExtraError
+            If matplotlib is not installed (``multisrt[plots]``).
+
+        Examples
+        --------
+        >>> import multisrt as ms
+        >>> run = ms.explore("open", robots=2, seed=1, max_time_s=10.0)
+        >>> run.save_figure("trajectories", "trajectories.pdf", style="ieee")
+        """
+        from multisrt.drawing.figures import save_figure
+
+        save_figure(kind, self.recording, path, style=style, options=options)
+
+    def _repr_html_(self) -> str:
+        from multisrt.drawing import tree_svg
+
+        return picture_html(tree_svg(self.recording), repr(self)) + table_html(
+            f"{self.outcome}: {self.reason}", [], self.metrics.outline(), labels=2
+        )

@@ -3,7 +3,9 @@ import pytest
 
 from multisrt.experiments.crossing import Condition
 from multisrt.presets import alvarez
+from multisrt.presets.alvarez_ablations import ABLATIONS
 from multisrt.presets.alvarez_maps import SCENARIOS
+from multisrt.presets.cells import Cells
 from multisrt.presets.exponents import law
 from tests.multisrt.presets.constructed import laws, no_results, results_of
 
@@ -42,13 +44,12 @@ def test_maps_of_alvarez_are_as_large_as_the_printed_ones():
 
 
 def test_laws_are_those_of_the_constructed_means():
-    (first, *_) = alvarez.outcomes(results_of(FULL_ALVAREZ, laws(-0.9, -1.1, spread=0.0)))
+    (first, *_) = alvarez.outcomes(Cells(results_of(FULL_ALVAREZ, laws(-0.9, -1.1, spread=0.0))))
     time, distance = law(first.time), law(first.distance)
     assert time is not None
     assert distance is not None
     assert (time.factor.value, time.exponent.value) == pytest.approx((1000.0, -0.9))
     assert (distance.factor.value, distance.exponent.value) == pytest.approx((300.0, -1.1))
-    # Runs of variants do not count.
     assert (first.runs, first.successes) == (56, 56)
 
 
@@ -69,6 +70,7 @@ def test_claims_of_alvarez_that_hold():
         (claim.text for claim in found), "holds"
     )
     assert len(found) == 5
+    assert all(claim.would_show for claim in found)
     assert "560 of 560 runs succeed" in found[0].grounds[0]
     # Table 4.1, b (T): from scenario 10 to scenario 18.
     assert "the thesis's -0.920 to -0.729, -0.862 on average" in found[1].grounds[1]
@@ -129,6 +131,10 @@ def test_claims_of_alvarez_that_may_be_chance_or_are_not_tested():
         # Of 108 runs 107 must succeed: their interval begins at 94.9 %, that of 106 at 93.5 %.
         assert found[0].would_show == "a rate of 99.1 % would have sufficed"
     assert {claim.verdict for claim in alvarez.claims(no_results(FULL_ALVAREZ))} == {"not tested"}
+    lost = results_of(QUICK_ALVAREZ, laws(-0.9, -1.1, lost=lambda at, k: True))
+    none = alvarez.claims(lost)[0]
+    assert none.verdict == "does not hold"
+    assert none.would_show == "no rate would have sufficed in so few runs"
     few = alvarez.claims(results_of(QUICK_ALVAREZ, laws(-0.9, -1.1)))
     assert [few[k].verdict for k in (0, 3, 4)] == ["not tested"] * 3
 
@@ -139,17 +145,36 @@ def test_a_margin_is_one_standard_deviation_of_the_printed_exponents():
     assert alvarez.DISTANCE_FALLS.margin == pytest.approx(0.68 / 2 / 2.576)
 
 
-def test_variants_are_shown_beside_the_experiment():
+def test_exponents_are_shown_without_and_with_each_change():
+    spec = ABLATIONS.experiment(FULL_ALVAREZ, quick=True)
+
     def values(at: Condition, repetition: int) -> dict[str, object]:
-        exponent = {"rules": -0.9, "swaps by sums": -0.8, "no swaps": -0.7, "fine cells": -0.6}
-        of = exponent[at.strategy]
+        exponent = {"": -0.9, "swaps by sums": -0.8, "no swaps": -0.7, "fine cells": -0.6}
+        of = exponent[at.strategy.removeprefix("rules").removeprefix(", ")]
         return laws(of, of, spread=0.0)(at, repetition)
 
-    (table,) = alvarez.ablations(results_of(FULL_ALVAREZ, values))
-    assert [row[0] for row in table.rows] == ["as in the experiment", *alvarez.ABLATIONS]
+    table = ABLATIONS.tables(results_of(spec, values))[0]
+    assert [row[0] for row in table.rows] == [
+        *("as in the experiment", "swaps by sums", "no swaps", "fine cells")
+    ]
     assert [row[1][:4] for row in table.rows] == ["-0.9", "-0.8", "-0.7", "-0.6"]
-    assert {row[4] for row in table.rows} == {"28 of 28"}
-    assert alvarez.ablations(results_of(QUICK_ALVAREZ, laws(-0.9, -1.1))) == []
+    assert [row[3][:4] for row in table.rows] == ["-0.9", "-0.8", "-0.7", "-0.6"]
+    # Six repetitions of four teams.
+    assert {row[4] for row in table.rows} == {"24 of 24"}
+
+
+def test_exponents_without_the_mazes_are_given_beside():
+    mazes = {scenario.label for scenario in SCENARIOS if scenario.name == "maze"}
+    assert len(mazes) == 3
+
+    def values(at: Condition, repetition: int) -> dict[str, object]:
+        return printed_plus(0.3 if at.environment in mazes else 0.0, 0.0)(at, repetition)
+
+    time = alvarez.claims(results_of(FULL_ALVAREZ, values))[1]
+    (line,) = [ground for ground in time.grounds if "without the 3 maps" in ground]
+    assert line.endswith("over 7 maps")
+    # The mean of ten is 0.09, that of the seven others 0.
+    assert abs(float(line.split(": ")[1].split()[0])) < 0.01
 
 
 def test_alvarez_beside_table_4_1():

@@ -5,7 +5,8 @@ import pytest
 
 from multisrt.experiments.crossing import Condition
 from multisrt.presets import minpos
-from multisrt.presets.minpos_experiment import RULES, STEP_S, VARIANTS, experiment
+from multisrt.presets.minpos_ablations import ABLATIONS
+from multisrt.presets.minpos_experiment import RULES, STEP_S, experiment
 from multisrt.presets.minpos_gains import Ratios, Times, complete, gain, reaches
 from multisrt.statistics.intervals import Interval
 from tests.multisrt.presets.constructed import (
@@ -128,21 +129,25 @@ def test_when_a_gain_reaches_eight_percent(low, high, decision):
     assert reaches(found, 8.0) == decision
 
 
-def test_variants_are_shown_beside_the_experiment():
-    def values(at: Condition, repetition: int) -> dict[str, object]:
-        best = 12.0
-        for k, one in enumerate(VARIANTS):
-            best = 2.0 * k if one.rule(at) else best
-        return times(5.0, best, spread=0.0)(at, repetition)
+def test_gains_are_shown_without_and_with_each_change():
+    spec = ABLATIONS.experiment(FULL_MINPOS, quick=True)
+    gains = {
+        after: 2.0 * k for k, one in enumerate(ABLATIONS.changes) for _, after in one.pairs(spec)
+    }
 
-    results = results_of(FULL_MINPOS, values)
-    (table,) = minpos.variants(results)
+    def values(at: Condition, repetition: int) -> dict[str, object]:
+        return times(5.0, gains.get(at, 12.0), spread=0.0)(at, repetition)
+
+    table = ABLATIONS.tables(results_of(spec, values))[0]
+    assert [row[0] for row in table.rows] == [
+        "as in the experiment",
+        "goals kept until they are reached",
+        "bodies of 1 m, of which two cannot pass in a corridor",
+        "starts far apart",
+    ]
     assert [row[2].split()[0] for row in table.rows] == ["+12.0", "+0.0", "+2.0", "+4.0"]
-    assert {row[3] for row in table.rows} == {"40/40"}
-    # They do not count for the claims.
-    mean = claim_on(minpos.claims(results), "On average minpos shortens")
-    assert "ours: +12.0 %" in mean.grounds[0]
-    assert minpos.variants(results_of(experiment(True), times(8.0, 12.0))) == []
+    assert [row[1].split()[0] for row in table.rows] == ["+5.0"] * 4
+    assert {row[3] for row in table.rows} == {"6/6"}
 
 
 def test_times_are_given_in_steps_as_well():

@@ -4,16 +4,23 @@ import pytest
 from multisrt.experiments.crossing import Condition
 from multisrt.presets import alvarez
 from multisrt.presets.alvarez_ablations import ABLATIONS
+from multisrt.presets.alvarez_experiment import (
+    DISTANCE_FALLS,
+    MIN_SUCCESS,
+    TIME_FALLS,
+    experiment,
+)
 from multisrt.presets.alvarez_maps import SCENARIOS
+from multisrt.presets.alvarez_outcomes import outcomes
 from multisrt.presets.cells import Cells
 from multisrt.presets.exponents import law
 from tests.multisrt.presets.constructed import laws, no_results, results_of
 
 # With few repetitions, so that numbers are small.
-FULL_ALVAREZ = msgspec.structs.replace(alvarez.experiment(False), repetitions=7)
+FULL_ALVAREZ = msgspec.structs.replace(experiment(False), repetitions=7)
 
 
-QUICK_ALVAREZ = msgspec.structs.replace(alvarez.experiment(True), repetitions=2)
+QUICK_ALVAREZ = msgspec.structs.replace(experiment(True), repetitions=2)
 
 
 def test_figures_of_alvarez_are_the_printed_ones():
@@ -25,10 +32,10 @@ def test_figures_of_alvarez_are_the_printed_ones():
     assert (first.time, first.distance) == ((747.31, -0.891), (140.97, -1.362))
     assert (last.area_m2, last.success_percent) == (4378.0, 96.56)
     assert (last.time, last.distance) == ((7083.3, -0.910), (1180.10, -0.970))
-    assert (dense.success_percent, alvarez.MIN_SUCCESS) == (94.06, 94.06)
+    assert (dense.success_percent, MIN_SUCCESS) == (94.06, 94.06)
     # Section 4.2.1: "-0.7 a -1.02 [...] y de -0.74 a -1.42"; its own exponents lie between.
-    assert alvarez.TIME_FALLS.band == (-1.02, -0.70)
-    assert alvarez.DISTANCE_FALLS.band == (-1.42, -0.74)
+    assert TIME_FALLS.band == (-1.02, -0.70)
+    assert DISTANCE_FALLS.band == (-1.42, -0.74)
     for scenario in SCENARIOS:
         assert -1.02 <= scenario.time[1] <= -0.70
         assert -1.42 <= scenario.distance[1] <= -0.74
@@ -44,7 +51,7 @@ def test_maps_of_alvarez_are_as_large_as_the_printed_ones():
 
 
 def test_laws_are_those_of_the_constructed_means():
-    (first, *_) = alvarez.outcomes(Cells(results_of(FULL_ALVAREZ, laws(-0.9, -1.1, spread=0.0))))
+    (first, *_) = outcomes(Cells(results_of(FULL_ALVAREZ, laws(-0.9, -1.1, spread=0.0))))
     time, distance = law(first.time), law(first.distance)
     assert time is not None
     assert distance is not None
@@ -131,8 +138,8 @@ def test_claims_of_alvarez_that_may_be_chance_or_are_not_tested():
         # Of 108 runs 107 must succeed: their interval begins at 94.9 %, that of 106 at 93.5 %.
         assert found[0].would_show == "a rate of 99.1 % would have sufficed"
     assert {claim.verdict for claim in alvarez.claims(no_results(FULL_ALVAREZ))} == {"not tested"}
-    lost = results_of(QUICK_ALVAREZ, laws(-0.9, -1.1, lost=lambda at, k: True))
-    none = alvarez.claims(lost)[0]
+    all_lost = results_of(QUICK_ALVAREZ, laws(-0.9, -1.1, lost=lambda at, k: True))
+    none = alvarez.claims(all_lost)[0]
     assert none.verdict == "does not hold"
     assert none.would_show == "no rate would have sufficed in so few runs"
     few = alvarez.claims(results_of(QUICK_ALVAREZ, laws(-0.9, -1.1)))
@@ -141,8 +148,8 @@ def test_claims_of_alvarez_that_may_be_chance_or_are_not_tested():
 
 def test_a_margin_is_one_standard_deviation_of_the_printed_exponents():
     # 99 % of a normal distribution lie within 2.576 standard deviations of its mean.
-    assert alvarez.TIME_FALLS.margin == pytest.approx(0.32 / 2 / 2.576)
-    assert alvarez.DISTANCE_FALLS.margin == pytest.approx(0.68 / 2 / 2.576)
+    assert TIME_FALLS.margin == pytest.approx(0.32 / 2 / 2.576)
+    assert DISTANCE_FALLS.margin == pytest.approx(0.68 / 2 / 2.576)
 
 
 def test_exponents_are_shown_without_and_with_each_change():

@@ -2,6 +2,7 @@ import msgspec
 
 from multisrt.experiments.crossing import Condition
 from multisrt.presets import multi_srt
+from multisrt.presets.multi_srt_ablations import TIMES
 from tests.multisrt.presets.constructed import (
     QUICK_SRT,
     claim_on,
@@ -105,7 +106,7 @@ def test_both_times_are_judged():
     titles = [table.title for table in multi_srt.tables(results) if "scattered" in table.title]
     assert [
         title.endswith(f"{time.heading}, medians")
-        for title, time in zip(titles, multi_srt.TIMES, strict=True)
+        for title, time in zip(titles, TIMES, strict=True)
     ] == [True, True]
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import msgspec
 import numpy as np
@@ -65,12 +65,15 @@ class Ablation:
     base, changed : Block
         Conditions without and with the change, in the same order. Those with the change need
         labels of their own.
+    is_quick : bool
+        Whether it is part of a quick experiment, too.
     """
 
     topic: Topic
     change: str
     base: Block
     changed: Block
+    is_quick: bool = True
 
     def pairs(self, experiment: ExperimentSpec) -> list[tuple[Condition, Condition]]:
         """Return each condition without the change, and the same one with it.
@@ -155,21 +158,40 @@ class Ablations:
         whole : ExperimentSpec
             The preset's experiment, from which everything else is taken.
         quick : bool
-            Whether to make fewer repetitions.
+            Whether to make fewer repetitions, of fewer ablations.
 
         Returns
         -------
         ExperimentSpec
             An experiment of blocks, in which conditions that several ablations share are run once.
         """
+        changes = [one for one in self.changes if one.is_quick or not quick]
         return msgspec.structs.replace(
             whole,
             name=f"{whole.name.removesuffix(' quick')} ablations{' quick' * quick}",
             about=f"What differences do: {whole.about}",
-            blocks=tuple(block for one in self.changes for block in (one.base, one.changed)),
+            blocks=tuple(block for one in changes for block in (one.base, one.changed)),
             exclude=(),
             repetitions=self.quick_repetitions if quick else self.repetitions,
             recordings="none",
+        )
+
+    def made_in(self, experiment: ExperimentSpec) -> Ablations:
+        """Return the ablations without those that an experiment does not have.
+
+        Parameters
+        ----------
+        experiment : ExperimentSpec
+            The whole experiment of ablations, or the quick one.
+        """
+        asked = {*conditions(experiment)}
+        return replace(
+            self,
+            changes=tuple(
+                one
+                for one in self.changes
+                if {at for pair in one.pairs(experiment) for at in pair} <= asked
+            ),
         )
 
     def asking_why(self, claim: str) -> list[Ablation]:
@@ -202,12 +224,13 @@ class Ablations:
             for each change and condition.
         """
         cells = Cells(results)
-        topics = {one.topic.title: one.topic for one in self.changes}
-        own = [] if self.own_tables is None else self.own_tables(cells, self.changes)
+        changes = self.made_in(results.experiment).changes
+        topics = {one.topic.title: one.topic for one in changes}
+        own = [] if self.own_tables is None else self.own_tables(cells, changes)
         return [
             *own,
             *(
-                _table(topic, [one for one in self.changes if one.topic == topic], cells)
+                _table(topic, [one for one in changes if one.topic == topic], cells)
                 for topic in topics.values()
             ),
         ]

@@ -46,17 +46,17 @@ STARTS = StartsChoice(how="clustered", first="drawn")
 MAZES = EnvironmentChoice(
     name=MAZE, parameters={"size_m": MAZE_M, "cells": MAZE_CELLS}, seed="repetition"
 )
+HOSPITALS = EnvironmentChoice(
+    name=HOSPITAL, parameters={"wings": WINGS, "wing_length_m": WING_LENGTH_M}
+)
 
 
 def experiment(quick: bool) -> ExperimentSpec:
     """Return the experiment of the paper, or a quick one with fewer teams and runs."""
-    hospital = EnvironmentChoice(
-        name=HOSPITAL, parameters={"wings": WINGS, "wing_length_m": WING_LENGTH_M}
-    )
     return ExperimentSpec(
         name="minpos quick" if quick else "minpos",
         about="How much sooner a team is done that does not go to the closest frontier",
-        environments=(MAZES, hospital),
+        environments=(MAZES, HOSPITALS),
         strategies=STRATEGIES,
         robots=QUICK_TEAMS if quick else TEAMS,
         starts=(STARTS,),

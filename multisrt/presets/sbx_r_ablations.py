@@ -48,6 +48,7 @@ def _ablation(
         change=change,
         base=base,
         changed=msgspec.structs.replace(base, strategies=(changed,)),
+        is_quick=radio_m == 15 and change != WIDER,
     )
 
 

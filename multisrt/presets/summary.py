@@ -49,7 +49,9 @@ def summary(
     str
         The Markdown document.
     """
-    made = preset.ablations if ablations is not None else None
+    made = None
+    if preset.ablations is not None and ablations is not None:
+        made = preset.ablations.made_in(ablations.experiment)
     sections = [
         f"# {preset.about}",
         f"Made with `{command}`. The paper: {preset.paper}.",

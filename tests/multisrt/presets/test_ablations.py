@@ -128,6 +128,17 @@ def test_tables_of_the_presets_own_come_first():
     assert tables[0].rows == ((str(3 * 6),),)
 
 
+def test_a_quick_experiment_may_have_fewer_ablations():
+    slow = dataclasses.replace(TWO.changes[1], is_quick=False)
+    some = dataclasses.replace(TWO, changes=(TWO.changes[0], slow))
+    quick, whole = (some.experiment(multi_srt.experiment(q), quick=q) for q in (True, False))
+    assert {at.strategy for at in conditions(quick)} == {"srt-star", "no gaps"}
+    assert {at.strategy for at in conditions(whole)} == {"srt-star", "no gaps", "none"}
+    assert some.made_in(quick).changes == some.changes[:1]
+    assert some.made_in(whole).changes == some.changes
+    assert [table.title for table in some.tables(no_results(quick))] == ["gaps"]
+
+
 def test_claims_of_which_ablations_ask_why():
     assert [one.change for one in TWO.asking_why("Snails are fast.")] == ["no gaps"]
     assert TWO.asking_why("Hares are fast.") == []
@@ -142,7 +153,8 @@ def ablations_of(name: str) -> Ablations:
 @pytest.mark.parametrize("name", PRESETS)
 def test_ablations_of_presets_can_be_run_and_shown(name):
     preset, ablations = PRESETS[name], ablations_of(name)
-    spec = ablations.experiment(preset.experiment(True), quick=True)
+    whole = ablations.experiment(preset.experiment(False), quick=False)
+    spec = msgspec.structs.replace(whole, repetitions=6)
     tables = ablations.tables(results_of(spec, SOME[name]))
     assert sum(len(table.rows) for table in tables) >= len(ablations.changes)
     assert all(len(row) == len(table.columns) for table in tables for row in table.rows)
@@ -164,7 +176,8 @@ def test_what_ablations_are_said_to_be_about_is_there(name):
     preset, ablations = PRESETS[name], ablations_of(name)
     texts = {claim.text for claim in preset.claims(no_results(preset.experiment(False)))}
     assert {text for one in ablations.changes for text in one.topic.claims} <= texts
-    changes = {one.change for one in ablations.changes}
+    # In a quick experiment as well.
+    changes = {one.change for one in ablations.changes if one.is_quick}
     assert {change for one in preset.deviations for change in one.ablations} <= changes
     assert any(one.ablations for one in preset.deviations)
     # A claim of which some ablation asks why has two of them.
@@ -196,7 +209,7 @@ OPTIONS_CHANGED = {
 @pytest.mark.parametrize("name", OPTIONS_CHANGED)
 def test_ablations_change_what_they_name_and_nothing_else(name):
     ablations = ablations_of(name)
-    spec = ablations.experiment(PRESETS[name].experiment(True), quick=True)
+    spec = ablations.experiment(PRESETS[name].experiment(False), quick=False)
     specs = {run.condition: run.spec for run in runs(msgspec.structs.replace(spec, repetitions=1))}
     changed: dict[str, set[str]] = {}
     for one in ablations.changes:
@@ -204,6 +217,7 @@ def test_ablations_change_what_they_name_and_nothing_else(name):
             ours, theirs = specs[before], specs[after]
             assert ours.strategy == theirs.strategy
             assert ours.environment == theirs.environment
+            assert len(ours.robots) == len(theirs.robots)
             differ = {
                 option
                 for option in {*ours.options, *theirs.options}

@@ -5,7 +5,7 @@ import pytest
 
 from multisrt.experiments.crossing import Condition
 from multisrt.presets import minpos
-from multisrt.presets.minpos_ablations import ABLATIONS
+from multisrt.presets.minpos_ablations import ABLATIONS, APART, TARGETS, WIDE
 from multisrt.presets.minpos_claims import LARGEST_GAINS, MEAN_GAINS
 from multisrt.presets.minpos_experiment import RULES, STEP_S, experiment
 from multisrt.presets.minpos_gains import Ratios, Times, complete, gain, reaches
@@ -130,8 +130,9 @@ def test_when_a_gain_reaches_eight_percent(low, high, decision):
     assert reaches(found, 8.0) == decision
 
 
+@pytest.mark.slow
 def test_gains_are_shown_without_and_with_each_change():
-    spec = ABLATIONS.experiment(FULL_MINPOS, quick=True)
+    spec = msgspec.structs.replace(ABLATIONS.experiment(FULL_MINPOS, quick=False), repetitions=6)
     gains = {
         after: 2.0 * k for k, one in enumerate(ABLATIONS.changes) for _, after in one.pairs(spec)
     }
@@ -139,16 +140,22 @@ def test_gains_are_shown_without_and_with_each_change():
     def values(at: Condition, repetition: int) -> dict[str, object]:
         return times(5.0, gains.get(at, 12.0), spread=0.0)(at, repetition)
 
-    table = ABLATIONS.tables(results_of(spec, values))[0]
-    assert [row[0] for row in table.rows] == [
-        "as in the experiment",
-        "goals kept until they are reached",
-        "bodies of 1 m, of which two cannot pass in a corridor",
-        "starts far apart",
+    tables = ABLATIONS.tables(results_of(spec, values))[:3]
+    assert [table.title.partition(": ")[2] for table in tables] == [
+        *("maze, 4 robots", "hospital, 4 robots", "maze, 12 robots")
     ]
-    assert [row[2].split()[0] for row in table.rows] == ["+12.0", "+0.0", "+2.0", "+4.0"]
-    assert [row[1].split()[0] for row in table.rows] == ["+5.0"] * 4
-    assert {row[3] for row in table.rows} == {"6/6"}
+    assert [[row[0] for row in table.rows] for table in tables] == [
+        ["as in the experiment", TARGETS, WIDE, APART],
+        ["as in the experiment", TARGETS, APART],
+        ["as in the experiment", TARGETS, APART],
+    ]
+    assert [[row[2].split()[0] for row in table.rows] for table in tables] == [
+        ["+12.0", "+0.0", "+2.0", "+4.0"],
+        ["+12.0", "+6.0", "+8.0"],
+        ["+12.0", "+10.0", "+12.0"],
+    ]
+    assert {row[1].split()[0] for table in tables for row in table.rows} == {"+5.0"}
+    assert {row[3] for table in tables for row in table.rows} == {"6/6"}
 
 
 def test_times_are_given_in_steps_as_well():

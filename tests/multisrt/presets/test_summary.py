@@ -90,7 +90,7 @@ def test_a_summary_with_ablations_names_them(name):
     results = results_of(preset.experiment(True), SOME[name])
     claims = [dataclasses.replace(one, verdict="does not hold") for one in preset.claims(results)]
     assert preset.ablations is not None
-    spec = preset.ablations.experiment(preset.experiment(True), quick=True)
+    spec = preset.ablations.experiment(preset.experiment(False), quick=False)
     made = no_results(spec)
     text = summary(preset, results, "it", claims=claims, tables=[], ablations=made)
     with_why = [claim for claim in claims if preset.ablations.asking_why(claim.text)]

@@ -112,8 +112,8 @@ DEVIATIONS = (
     Deviation("Frontier shorter than the body's width is dropped. The paper has no such bound."),
     Deviation(
         "Groups agree on a key before any robot moves, a master that does not answer is replaced, "
-        "and robots stop before bodies in sight, which are known from obstacles by their messages "
-        "or shape. The paper assumes that all of this goes well."
+        "and robots stop before bodies in sight, of which a detector gives number and pose. The "
+        "paper describes none of these."
     ),
     Deviation(
         "Time: the paper does not define its exploration time. Its explorations end at the roots "

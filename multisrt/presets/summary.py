@@ -58,7 +58,7 @@ def summary(
         _bullets(_account(results)),
         "## Claims",
         markdown_table(
-            ("claim", "verdict", "smallest effect that would have been found"),
+            ("claim", "verdict", "smallest effect"),
             [(claim.text, claim.verdict, claim.would_show) for claim in claims],
         ),
         *(_claim(claim, made) for claim in claims),

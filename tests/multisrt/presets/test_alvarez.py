@@ -41,6 +41,16 @@ def test_figures_of_alvarez_are_the_printed_ones():
         assert -1.42 <= scenario.distance[1] <= -0.74
 
 
+def test_what_is_said_of_the_printed_laws_is_so():
+    # At 0.1 m/s the printed distance of a single robot takes longer than the printed time.
+    speeds = [scenario.distance[0] / scenario.time[0] for scenario in SCENARIOS]
+    assert f"Speeds of {min(speeds):.2f} to {max(speeds):.2f} m/s" in " ".join(
+        one.text for one in alvarez.DEVIATIONS
+    )
+    # On all ten maps the distance falls faster than the time.
+    assert all(scenario.distance[1] < scenario.time[1] for scenario in SCENARIOS)
+
+
 def test_maps_of_alvarez_are_as_large_as_the_printed_ones():
     for scenario in SCENARIOS:
         size = scenario.parameters

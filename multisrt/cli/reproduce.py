@@ -183,9 +183,12 @@ def _make_both(
     """Execute the runs of an experiment, and those of its ablations in a store beside it."""
     beside = path.with_name(f"{path.stem}{ABLATIONS}{path.suffix}")
     ablation_s = None if preset.ablations is None else preset.ablations.run_s
-    afterwards = (0, 0.0)
-    if ablations is not None and ablation_s is not None:
-        afterwards = (missing_runs(beside, ablations), ablation_s)
+
+    def afterwards() -> tuple[int, float]:
+        if ablations is None or ablation_s is None:
+            return 0, 0.0
+        return missing_runs(beside, ablations), ablation_s
+
     results = make_runs(
         path,
         experiment,

@@ -113,7 +113,7 @@ def make_runs(
     modules: Sequence[str] = (),
     run_s: float | None = None,
     what: str = "runs",
-    afterwards: tuple[int, float] = (0, 0.0),
+    afterwards: Callable[[], tuple[int, float]] | None = None,
 ) -> Results:
     """Execute the runs of an experiment that have no result yet.
 
@@ -133,8 +133,9 @@ def make_runs(
         Known computing time of a run, on average, in seconds; the expected time is then printed.
     what : str
         What the runs are called there.
-    afterwards : (int, float)
-        Number of runs of ablations that follow, and the computing time of each in seconds.
+    afterwards : callable, optional
+        ``afterwards()`` returns the number of runs of ablations that follow, and the computing
+        time of each in seconds.
 
     Returns
     -------
@@ -165,9 +166,10 @@ def make_runs(
                 opened.forget()
             missing = opened.planned - opened.done
             if run_s is not None and missing and not running.quiet:
+                then = (0, 0.0) if afterwards is None else afterwards()
                 click.echo(
                     expected_text(
-                        missing, opened.planned, run_s, running, what=what, afterwards=afterwards
+                        missing, opened.planned, run_s, running, what=what, afterwards=then
                     )
                 )
             try:

@@ -93,6 +93,7 @@ _LARGE: Teams = (4, 8, 16)
 
 ABLATIONS = Ablations(
     repetitions=10,
+    run_s=3.0,
     quick_repetitions=6,
     changes=(
         _ablation(DIFFERENCES, PAPERS_PLANNER_ALONE, PAPERS_PLANNER, robots=(1, 8)),

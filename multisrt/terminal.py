@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import sys
+import threading
 import time
 from shutil import get_terminal_size
 from types import TracebackType
-from typing import Any, Final, Self
+from typing import Any, Final, Self, TextIO
 
 from multisrt.extras.notebook import RewrittenText, is_notebook
 
 PAUSE_S: Final = 0.1
 """Minimum time between two changes of a line in a notebook (s)."""
+
+FIRST_S, EVERY_S = 10.0, 30.0
+"""Time until the first line and between two of them, where none can be rewritten (s)."""
 
 WIDTH = 100
 """Columns of output that does not go to a terminal."""
@@ -26,12 +30,13 @@ class LiveLine:
     """An activity, a bar and a note, as a context manager.
 
     It is shown on standard error if that is a terminal, and there vanishes at the end. In a
-    notebook it is a line of text that is rewritten in place. Elsewhere it is hidden.
+    notebook it is a line of text that is rewritten in place. Elsewhere it is a new line on standard
+    error after `FIRST_S` seconds, and another every `EVERY_S` seconds.
 
     Parameters
     ----------
     shown : bool
-        Whether to show the line where it can be rewritten.
+        Whether to show the line.
     what : str
         The activity at first.
     note : str
@@ -43,26 +48,34 @@ class LiveLine:
     ----------
     shown : bool
         Whether the line is shown.
+    rewritten : bool
+        Whether it is shown in place, on a terminal or in a notebook.
     """
 
     def __init__(
         self, shown: bool, what: str = "starting", note: str = "", *, counted: bool = False
     ) -> None:
-        self.shown = shown and (sys.stderr.isatty() or is_notebook())
+        self.shown = shown
+        self.rewritten = shown and (sys.stderr.isatty() or is_notebook())
         self._counted = counted
         self._now: dict[str, Any] = {"description": what, "note": note, "total": None}
         self._bar: Any = None
         self._task: Any = None
         self._text: RewrittenText | None = None
         self._written_s = 0.0
+        self._logger: threading.Thread | None = None
+        self._ends = threading.Event()
 
     def __enter__(self) -> Self:
         if not self.shown:
             return self
         if is_notebook():
             self._text = RewrittenText(self._line())
-        else:
+        elif self.rewritten:
             self.start()
+        else:
+            self._logger = threading.Thread(target=self._log, args=(sys.stderr,), daemon=True)
+            self._logger.start()
         return self
 
     def start(self) -> None:
@@ -88,6 +101,9 @@ class LiveLine:
         trace: TracebackType | None,
     ) -> None:
         self.stop()
+        if self._logger is not None:
+            self._ends.set()
+            self._logger.join()
         if self._text is not None:
             self._text.say(self._line())
 
@@ -109,6 +125,16 @@ class LiveLine:
         if self._text is not None and time.monotonic() - self._written_s > PAUSE_S:
             self._written_s = time.monotonic()
             self._text.say(self._line())
+
+    def logged(self) -> str:
+        """Return the line that is written where none can be rewritten."""
+        return self._line()
+
+    def _log(self, file: TextIO) -> None:
+        pause_s = FIRST_S
+        while not self._ends.wait(pause_s):
+            pause_s = EVERY_S
+            print(self.logged(), file=file, flush=True)
 
     def _line(self) -> str:
         # The line as text: activity, share or count, note.

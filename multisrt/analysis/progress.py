@@ -22,7 +22,7 @@ class Progress(LiveLine):
     Parameters
     ----------
     quiet : bool
-        Whether to show nothing; with neither a terminal nor a notebook nothing is shown either.
+        Whether to show nothing.
     """
 
     def __init__(self, quiet: bool) -> None:

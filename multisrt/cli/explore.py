@@ -30,8 +30,8 @@ from multisrt.cli.outputs import (
 from multisrt.cli.run_options import DRIVES, FAULTS, OVERRIDES, USUAL, spec_of_options
 from multisrt.cli.sections import SectionedCommand
 from multisrt.cli.spec_files import read_run_spec
-from multisrt.cli.summary import print_summary, robot_to_ask
-from multisrt.cli.view import live_page, open_page, require_few, write_page
+from multisrt.cli.summary import MAX_WIDE, print_summary, robot_to_ask
+from multisrt.cli.view import MAX_RUNS, live_page, open_page, require_few, write_page
 from multisrt.cli.watching import Watching, require_terminal
 from multisrt.geometry.errors import InvalidInputError
 
@@ -219,7 +219,9 @@ Exit code:
     help="Compare with a plan that knows the map; computing it takes up to a minute.",
 )
 @click.option(
-    "--details", is_flag=True, help="Print all measures even for more than two strategies."
+    "--details",
+    is_flag=True,
+    help="Print all measures.  [default: the main ones; of more than two runs a line for each]",
 )
 @click.option("--watch", is_flag=True, help="Draw the team in the terminal while it runs.")
 @quiet_option()
@@ -300,11 +302,11 @@ def explore(
             )
         regrets = _regrets(runs) if given["regret"] else None
         print_summary(runs, folders, regrets, details=given["details"])
+    _show_page(runs, page, given, quiet=quiet)
+    if not quiet:
         if out is None and whole != usual:
             click.echo(f"{usual} is there already: this is in {whole}")
-        robot = robot_to_ask(runs[0])
-        click.echo(f"next: multisrt why {shlex.quote(str(folders[0]))} --robot {robot}")
-    _show_page(runs, page, given, quiet=quiet)
+        _print_next(runs, whole, folders, given)
     if not all(is_success(run.metrics) for run in runs):
         raise SystemExit(NO_SUCCESS)
 
@@ -329,6 +331,18 @@ def _show_page(runs: list[Run], page: Path, given: dict[str, Any], *, quiet: boo
         open_page(page, opens=not given["no_open"])
     if (given["view"] or given["live"]) and not quiet:
         click.echo(page)
+
+
+def _print_next(runs: list[Run], whole: Path, folders: list[Path], given: dict[str, Any]) -> None:
+    if len(runs) > MAX_WIDE and not (given["details"] or given["regret"]):
+        click.echo("all measures: in each run.json, or here with --details")
+    elif not given["details"]:
+        click.echo("all measures: in run.json, or here with --details")
+    if not (given["view"] or given["live"]):
+        shown = whole if len(runs) <= MAX_RUNS else folders[0]
+        click.echo(f"next: multisrt view {shlex.quote(str(shown))}")
+    asked = shlex.quote(str(folders[0]))
+    click.echo(f"next: multisrt why {asked} --robot {robot_to_ask(runs[0])}")
 
 
 def _named(strategies: tuple[str, ...]) -> list[str]:

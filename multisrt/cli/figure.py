@@ -11,7 +11,7 @@ import click
 from multisrt.cli.layers import without_option
 from multisrt.cli.output_options import FIGURE_NAME, force_option, out_file, quiet_option
 from multisrt.cli.outputs import require_no_file
-from multisrt.cli.recordings import recording_in
+from multisrt.cli.recordings import file_beside, recordings_in
 
 if TYPE_CHECKING:
     from multisrt.drawing.figures import FigureOptions
@@ -72,7 +72,7 @@ TABLES: Final = (".csv", ".md", ".tex")
     help="What 'visits' counts: times that robots drove over a place (passes), robots that did, "
     "scans that showed it, or robots that saw it (viewers).  [default: passes]",
 )
-@without_option("map", "  Of 'map' only.  [default: outlines]")
+@without_option("map", "  Of 'map' only, and in place of the default.  [default: outlines]")
 @quiet_option()
 def figure(
     kind: str,
@@ -85,9 +85,9 @@ def figure(
 ) -> None:
     """Draw a figure of one or several runs.
 
-    Each RECORDING is the folder that 'multisrt explore' wrote, or the file recording.jsonl in it.
-    Several runs are drawn side by side or in one diagram: all kinds but decisions need runs of one
-    world, and maps and activity show one run.
+    Each RECORDING is the folder that 'multisrt explore' wrote, of one run or several, or a file
+    recording.jsonl. Several runs are drawn side by side or in one diagram: all kinds but decisions
+    need runs of one world, and maps and activity show one run.
 
     \b
     Kinds:
@@ -110,7 +110,7 @@ def figure(
     Examples:
       multisrt figure trajectories runs/museum --style ieee --out paths.pdf
       multisrt figure maps runs/museum --time 2 --time 120 --robot 0 --robot 2
-      multisrt figure coverage runs/* --out coverage.svg
+      multisrt figure coverage runs/office-* --out coverage.svg
       multisrt figure visits runs/museum --count viewers --out seen.png
       multisrt figure decisions runs/museum --out decisions.tex
     """
@@ -118,8 +118,8 @@ def figure(
     from multisrt.recording import Recording
     from multisrt.terminal import LiveLine
 
-    paths = [recording_in(path) for path in recordings]
-    target = paths[0].with_name(FIGURE_NAME.format(kind=kind)) if out is None else out
+    paths = recordings_in(recordings)
+    target = out or file_beside(recordings[0], FIGURE_NAME.format(kind=kind))
     write = _writer(kind, target)
     require_no_file(target, force=force)
     options = FigureOptions(

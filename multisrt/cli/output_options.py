@@ -30,7 +30,7 @@ def out_file(what: str, default: str, *, several: bool = False) -> Decorator:
     what : str
         What the file holds, with its formats.
     default : str
-        Name of the file if none is given; it is written to the folder of the first recording.
+        Name of the file if none is given; see `multisrt.cli.recordings.file_beside`.
     several : bool, optional
         Whether the command takes several recordings.
 
@@ -39,7 +39,7 @@ def out_file(what: str, default: str, *, several: bool = False) -> Decorator:
     callable
         The decorator of the command.
     """
-    where = f"in the folder of the {'first ' * several}recording"
+    where = "in the folder of the " + ("first RECORDING" if several else "recording")
     return click.option(
         "--out",
         type=click.Path(path_type=Path),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 
 
@@ -23,19 +24,57 @@ def recording_in(path: Path) -> Path:
     InvalidInputError
         If there is none in the folder, or more than one, or the path is of another file of a run.
     """
+    from multisrt.geometry.errors import InvalidInputError
+
+    found = _found(path)
+    if len(found) > 1:
+        folders = ", ".join(str(file.parent) for file in found)
+        raise InvalidInputError(f"{path} holds {len(found)} runs: name one of {folders}")
+    return found[0]
+
+
+def recordings_in(paths: Iterable[Path]) -> list[Path]:
+    """Return the recordings that some paths mean.
+
+    Parameters
+    ----------
+    paths : iterable of Path
+        Recordings, folders of runs, and folders of several runs, which mean all of them in order
+        of name.
+
+    Returns
+    -------
+    list of Path
+        The files; whether they are recordings is found when they are read.
+
+    Raises
+    ------
+    InvalidInputError
+        If there is none in a folder, or a path is of another file of a run.
+    """
+    return [file for path in paths for file in _found(path)]
+
+
+def file_beside(path: Path, name: str) -> Path:
+    """Return a file of a name in a folder of runs, or beside a recording.
+
+    Examples
+    --------
+    >>> file_beside(Path("runs/a/recording.jsonl"), "replay.html").as_posix()
+    'runs/a/replay.html'
+    """
+    return path / name if path.is_dir() else path.with_name(name)
+
+
+def _found(path: Path) -> list[Path]:
     from multisrt.finished_run import RECORDING_NAME, RUN_FILES
     from multisrt.geometry.errors import InvalidInputError
 
     if path.is_dir():
         if (path / RECORDING_NAME).is_file():
-            return path / RECORDING_NAME
-        found = sorted(below.parent for below in path.glob(f"*/{RECORDING_NAME}"))
-        if len(found) == 1:
-            return found[0] / RECORDING_NAME
-        if found:
-            raise InvalidInputError(
-                f"{path} holds {len(found)} runs: name one of {', '.join(map(str, found))}"
-            )
+            return [path / RECORDING_NAME]
+        if found := sorted(path.glob(f"*/{RECORDING_NAME}")):
+            return found
         raise InvalidInputError(f"{path} holds no run: there is no {RECORDING_NAME} in it")
     if path.name in RUN_FILES and path.name != RECORDING_NAME:
         beside = path.with_name(RECORDING_NAME)
@@ -43,4 +82,4 @@ def recording_in(path: Path) -> Path:
             raise InvalidInputError(
                 f"{path} is not a recording; the recording of the run is {beside}"
             )
-    return path
+    return [path]

@@ -21,6 +21,12 @@ MAX_ROBOTS = 16
 MAX_WIDE = 2
 """Number of runs side by side up to which some rows have several numbers."""
 
+CONTACT = "(contact: 0)"
+"""What distances between bodies and walls are compared with."""
+
+SHOWN_M2 = 0.05
+"""Area from which on it is not 0.0 m2 in the summary."""
+
 Rows = dict[str, str]
 
 
@@ -53,8 +59,9 @@ def print_summary(
 ) -> None:
     """Print how runs in one environment ended, their metrics side by side, and their files.
 
-    Several runs are compared in a last table of a row for each. If they are more than `MAX_WIDE`,
-    that is the only one, unless details or regrets are asked for.
+    Of one run, and of several up to `MAX_WIDE`, the main measures are printed. Several runs are
+    compared in a last table of a row for each; if they are more, that is the only one, unless
+    details or regrets are asked for.
 
     Parameters
     ----------
@@ -65,7 +72,7 @@ def print_summary(
     regrets : list of Regret, optional
         For each run its times as multiples of those of the informed plan.
     details : bool, optional
-        Whether all measures are printed of any number of runs.
+        Whether all measures are printed, of any number of runs.
     """
     from multisrt.finished_run import RUN_FILES, TREE_NAME
     from multisrt.robots.naming import joined
@@ -78,24 +85,22 @@ def print_summary(
         click.echo(f"  {run.reason}")
     _print_reach(runs[0])
     if details or regrets or len(runs) <= MAX_WIDE:
-        _print_measures(runs, regrets)
+        _print_measures(runs, regrets, details=details)
     if len(runs) > 1:
         _print_comparison(runs)
         click.echo("\n".join(str(folder / TREE_NAME) for folder in folders))
         others = [name for name in RUN_FILES if name != TREE_NAME]
         click.echo(f"and beside each {joined(others)}")
-        if len(runs) > MAX_WIDE and not (details or regrets):
-            click.echo("all measures: in each run.json, or here with --details")
     else:
         click.echo("\n".join(str(folders[0] / name) for name in RUN_FILES))
 
 
-def _print_measures(runs: list[Run], regrets: list[Regret] | None) -> None:
+def _print_measures(runs: list[Run], regrets: list[Regret] | None, *, details: bool) -> None:
     scans = {_scans(run) for run in runs}
     nodes = (
         "nodes or scans" if len(scans) > 1 else "informative scans" if True in scans else "nodes"
     )
-    rows = [_rows(run, nodes, runs) for run in runs]
+    rows = [_rows(run, nodes, runs, details=details) for run in runs]
     for row, run, times in zip(rows, runs, regrets or (), strict=False):
         row |= _regret_rows(run, times)
     columns = [">value"] if len(runs) == 1 else [f">{run.spec.strategy}" for run in runs]
@@ -154,13 +159,13 @@ def _print_reach(run: Run) -> None:
         )
 
 
-def _rows(run: Run, nodes: str, runs: list[Run]) -> Rows:
+def _rows(run: Run, nodes: str, runs: list[Run], *, details: bool) -> Rows:
     from multisrt.analysis.metrics import SUCCESS_COVERAGE
     from multisrt.experiments.results import is_success
-    from multisrt.explain.terms import stage_name
 
     m = run.metrics
     team = len(run.spec.robots) > 1
+    of_all = " of all robots" if team else ""
     x, y, _ = run.recording.starts[0]
     return {
         **({} if team else {"start": f"({x:.2f}, {y:.2f})"}),
@@ -176,16 +181,37 @@ def _rows(run: Run, nodes: str, runs: list[Run]) -> Rows:
         "seen": f"{100.0 * m.seen:.2f} %",
         **{
             f"uncovered: {why}": f"{m.given_up_m2.get(why, 0.0):.1f} m2"
-            for why in _kinds(run.metrics.given_up_m2 for run in runs)
+            for why in _kinds(_large(run.metrics.given_up_m2) for run in runs)
         },
-        "free space": f"{m.free_area_m2:.1f} m2",
         **_times_covered(run, narrow=len(runs) > MAX_WIDE),
         "map known complete at": _seconds(m.known_complete_s),
         "all done at": _seconds(m.makespan_s),
         "lower bound of the time": _seconds(m.lower_bound_s),
-        "distance": f"{m.total_distance_m:.1f} m",
+        f"distance{of_all}": f"{m.total_distance_m:.1f} m",
         **(_team_rows(run, narrow=len(runs) > MAX_WIDE) if team else {}),
         nodes: str(m.nodes),
+        "collisions": str(m.collisions),
+        f"smallest clearance to walls {CONTACT}": f"{m.min_clearance_m:.3f} m",
+        **(_detail_rows(run, runs) if details else {}),
+    }
+
+
+def _detail_rows(run: Run, runs: list[Run]) -> Rows:
+    from multisrt.explain.terms import stage_name
+
+    m = run.metrics
+    team = {
+        "spread of distances": f"{m.distance_spread_m:.1f} m",
+        "known to one robot only, over time": f"{m.known_to_one_m2s:.0f} m2 s",
+        "known to one robot only, at the end": f"{m.known_to_one_m2:.1f} m2",
+        "coordinations": str(m.coordinations),
+        "deadlocks": str(m.deadlocks),
+        "messages": f"{m.messages} ({m.bytes_sent / 1e6:.2f} MB)",
+        "deliveries": f"{m.deliveries} ({m.lost_deliveries} lost)",
+    }
+    return {
+        "free space": f"{m.free_area_m2:.1f} m2",
+        **(team if len(run.spec.robots) > 1 else {}),
         **{
             f"nodes: {stage_name(stage)}": str(m.nodes_by_stage.get(stage, 0))
             for stage in _kinds(run.metrics.nodes_by_stage for run in runs if not _scans(run))
@@ -195,8 +221,6 @@ def _rows(run: Run, nodes: str, runs: list[Run]) -> Rows:
             f"arcs given up: {why}": str(m.arcs_closed.get(why, 0))
             for why in _kinds(run.metrics.arcs_closed for run in runs)
         },
-        "collisions": str(m.collisions),
-        "smallest clearance": f"{m.min_clearance_m:.3f} m",
     }
 
 
@@ -226,24 +250,21 @@ def _team_rows(run: Run, *, narrow: bool) -> Rows:
     m = run.metrics
     between = m.min_distance_between_robots_m
     return {
-        "spread of distances": f"{m.distance_spread_m:.1f} m",
-        "waiting": f"{m.waiting_time_s:.1f} s",
+        "waiting of all robots": f"{m.waiting_time_s:.1f} s",
         "seen by several robots": f"{m.overlap_area_m2:.1f} m2"
         + f" ({100.0 * m.overlap_share:.1f} %)" * (not narrow),
         **({} if m.beyond_range_m is None and not m.isolated_total_s else _isolation(run)),
-        "known to one robot only": f"{m.known_to_one_m2s:.0f} m2 s",
-        "the same at the end": f"{m.known_to_one_m2:.1f} m2",
-        "coordinations": f"{m.coordinations}" + f" ({m.deadlocks} deadlocks)" * (not narrow),
-        **({"deadlocks": str(m.deadlocks)} if narrow else {}),
         "protective stops": str(m.protective_stops),
-        "messages": f"{m.messages} ({m.bytes_sent / 1e6:.2f} MB)",
-        "deliveries": f"{m.deliveries} ({m.lost_deliveries} lost)",
         **(
             {"robots that died": f"{m.deaths} (lost with them: {m.lost_area_m2:.1f} m2)"}
             if m.deaths
             else {}
         ),
-        **({} if between is None else {"smallest robot distance": f"{between:.3f} m"}),
+        **(
+            {}
+            if between is None
+            else {f"smallest clearance of robots {CONTACT}": f"{between:.3f} m"}
+        ),
     }
 
 
@@ -287,6 +308,10 @@ def _seconds(value: float | None) -> str:
 
 def _times(*values: float | None) -> str:
     return ", ".join("never" if value is None else f"{value:.0f} s" for value in values)
+
+
+def _large(areas_m2: Mapping[str, float]) -> Mapping[str, float]:
+    return {why: area for why, area in areas_m2.items() if area >= SHOWN_M2}
 
 
 def _kinds(counts: Iterable[Mapping[str, float]]) -> list[str]:

@@ -12,7 +12,7 @@ import click
 from multisrt.cli.imports import import_all, import_option
 from multisrt.cli.output_options import REPLAY_NAME, force_option, out_file, quiet_option
 from multisrt.cli.outputs import require_no_file
-from multisrt.cli.recordings import recording_in
+from multisrt.cli.recordings import file_beside, recordings_in
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -50,21 +50,23 @@ def view(
 
     Writes one HTML file that needs no network and no server, and opens it.
 
-    RECORDING is the folder that 'multisrt explore' wrote, or the file recording.jsonl in it.
+    RECORDING is the folder that 'multisrt explore' wrote, of one run or several, or a file
+    recording.jsonl.
 
     \b
     Examples:
       multisrt view runs/office-srt-radial-0
+      multisrt view runs/office-0
       multisrt view out/srt-radial out/minpos --out both.html
       multisrt view out/recording.jsonl --no-open --force
     """
     from multisrt.recording import Recording
     from multisrt.terminal import LiveLine
 
-    require_few(len(recordings))
     import_all(imports)
-    paths = [recording_in(path) for path in recordings]
-    page = out or paths[0].with_name(REPLAY_NAME)
+    paths = recordings_in(recordings)
+    require_few(len(paths))
+    page = out or file_beside(recordings[0], REPLAY_NAME)
     require_no_file(page, force=force)
     with LiveLine(not quiet, "reading") as line:
         loaded = []
@@ -112,7 +114,13 @@ def live_page(page: Path | None, *, opens: bool) -> Iterator[LiveReplay | None]:
         return
     from multisrt.replay import LiveReplay
 
-    live = LiveReplay(page, when_shown=lambda: open_page(page, opens=opens))
+    def show() -> None:
+        if opens:
+            open_page(page)
+        else:
+            click.echo(f"the runs as they go on: open {page} in a browser", err=True)
+
+    live = LiveReplay(page, when_shown=show)
     try:
         with live:
             yield live

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-import sys
 import threading
 from types import TracebackType
-from typing import TYPE_CHECKING, Final, Self, TextIO
+from typing import TYPE_CHECKING, Final, Self
 
 from multisrt.analysis.progress import compiling_note
 from multisrt.terminal import LiveLine
 
 if TYPE_CHECKING:
     from multisrt.experiments.runner import Progress
-
-EVERY_S: Final = 30.0
-"""Time between two lines where no progress bar can be shown (s)."""
 
 NOTE_S: Final = 0.5
 """Time after which the note of a bar is renewed, as kernels are compiled between two runs (s)."""
@@ -23,8 +19,8 @@ NOTE_S: Final = 0.5
 class LiveProgress(LiveLine):
     """Progress of an experiment, given to `run_experiment` as its `progress`.
 
-    It is a bar on a terminal and in a notebook. Elsewhere it is a line on standard error every
-    `EVERY_S` seconds, which also names the run that has taken longest so far.
+    It is a bar on a terminal and in a notebook. Elsewhere the line on standard error also names the
+    run that has taken longest so far.
 
     Parameters
     ----------
@@ -34,18 +30,15 @@ class LiveProgress(LiveLine):
 
     def __init__(self, shown: bool = True) -> None:
         super().__init__(shown, "runs", "starting workers", counted=True)
-        self._ticker: threading.Thread | None = None
-        self._ends = threading.Event()
+        self._renewer: threading.Thread | None = None
         self._latest: Progress | None = None
-        if self.shown:
-            self._ticker = threading.Thread(target=self._renew, daemon=True)
-        elif shown:
-            self._ticker = threading.Thread(target=self._tick, args=(sys.stderr,), daemon=True)
+        if self.rewritten:
+            self._renewer = threading.Thread(target=self._renew, daemon=True)
 
     def __enter__(self) -> Self:
         super().__enter__()
-        if self._ticker is not None:
-            self._ticker.start()
+        if self._renewer is not None:
+            self._renewer.start()
         return self
 
     def __exit__(
@@ -55,8 +48,8 @@ class LiveProgress(LiveLine):
         trace: TracebackType | None,
     ) -> None:
         self._ends.set()
-        if self._ticker is not None:
-            self._ticker.join()
+        if self._renewer is not None:
+            self._renewer.join()
         super().__exit__(kind, error, trace)
 
     def __call__(self, now: Progress) -> None:
@@ -69,10 +62,9 @@ class LiveProgress(LiveLine):
             if self._latest is not None:
                 self.say(note_of(self._latest))
 
-    def _tick(self, file: TextIO) -> None:
-        while not self._ends.wait(EVERY_S):
-            if self._latest is not None:
-                print(line_of(self._latest), file=file, flush=True)
+    def logged(self) -> str:
+        """Return the line that is written where none can be rewritten."""
+        return super().logged() if self._latest is None else line_of(self._latest)
 
 
 def line_of(now: Progress) -> str:

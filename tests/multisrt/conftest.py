@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 
+from multisrt import terminal
 from multisrt.events import Event
 from multisrt.experiments.crossing import runs
 from multisrt.experiments.mission import make_run
@@ -48,6 +49,12 @@ def _events_of(recording: Recording, kind: type[Event], robot: int | None = None
 def events_of() -> Callable[..., list[Any]]:
     """List the events of a kind in a recording: those of all robots, or of one."""
     return _events_of
+
+
+@pytest.fixture(autouse=True)
+def unhurried(monkeypatch):
+    """Write no line of progress because a machine is slow."""
+    monkeypatch.setattr(terminal, "FIRST_S", 3600.0)
 
 
 @pytest.fixture

@@ -16,6 +16,7 @@ import msgspec
 import pytest
 
 import multisrt as ms
+from multisrt import terminal
 from multisrt.analysis.metrics import Metrics
 from multisrt.cli.experiment_check import MAX_ROWS
 from multisrt.experiments import live, runner, template, worker
@@ -506,7 +507,8 @@ def test_no_bar_without_a_terminal(capsys):
 
 
 def test_without_a_terminal_a_line_names_the_longest_run(monkeypatch, capsys, tmp_path):
-    monkeypatch.setattr(live, "EVERY_S", 0.01)
+    monkeypatch.setattr(terminal, "FIRST_S", 0.01)
+    monkeypatch.setattr(terminal, "EVERY_S", 0.01)
     spec = ExperimentSpec(name="x", environments=("open",), strategies=("minpos",))
     run = runs(spec)[2]
     now = progress(99, 20, 60.0, failed=1)

@@ -96,7 +96,11 @@ def test_an_interrupted_run_leaves_its_page(call, folder, monkeypatch, often):
     code, _, err = call(*WORDS, "--live", "--no-open")
     assert code == 130
     said = [line for line in err.splitlines() if line]
-    assert said == ["the replay up to here: out/replay.html", "interrupted"]
+    assert said == [
+        "the runs as they go on: open out/replay.html in a browser",
+        "the replay up to here: out/replay.html",
+        "interrupted",
+    ]
     assert list(everything(folder / "out")) == ["replay.html"]
     page = (folder / "out/replay.html").read_text(encoding="utf-8")
     assert "The run was interrupted: the replay ends at" in page

@@ -67,9 +67,10 @@ def test_several_runs_are_shown_side_by_side(call, folder, opened):
         "two/closest/replay.html\n",
         "",
     )
-    assert "<title>closest in room | srt-star in room: replay</title>" in (
-        folder / "two/closest/replay.html"
-    ).read_text(encoding="utf-8")
+    page = (folder / "two/closest/replay.html").read_bytes()
+    assert b"<title>closest in room | srt-star in room: replay</title>" in page
+    assert call("view", "two", "--no-open") == (0, "two/replay.html\n", "")
+    assert (folder / "two/replay.html").read_bytes() == page
 
 
 def test_explore_shows_its_runs(call, folder, opened):

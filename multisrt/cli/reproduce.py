@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from multisrt.experiments.results import Results
     from multisrt.experiments.spec import ExperimentSpec
     from multisrt.presets import Preset
-    from multisrt.reporting.claims import Claim
+    from multisrt.reporting.claims import Claim, PrintedTable
 
 STORE_NAME, REPORT_NAME, SUMMARY_NAME = "results.sqlite", "report", "summary.md"
 ABLATIONS = "-ablations"
@@ -160,7 +160,7 @@ def reproduce(
             results,
             out / REPORT_NAME,
             claims=claims,
-            comparisons=tables,
+            comparisons=[*tables, *_ablation_tables(preset, ablated)],
             gallery=not omitted.gallery,
             progress=live.say,
         )
@@ -205,6 +205,12 @@ def _make_both(
         run_s=ablation_s,
         what="runs of ablations",
     )
+
+
+def _ablation_tables(preset: Preset, ablated: Results | None) -> list[PrintedTable]:
+    if preset.ablations is None or ablated is None:
+        return []
+    return preset.ablations.tables(ablated)
 
 
 def _folder_name(name: str, quick: bool, own_map: OwnMap | None) -> str:

@@ -153,6 +153,10 @@ def test_ablations_have_a_store_and_tables_of_their_own(reproduce, folder):
     text = (made / "summary.md").read_text()
     assert "54 of 54 runs, 6 repetitions" in text
     assert "### What single settings change" in text
+    # Medians and marks of five tables, one more of times, agreement, driving, twelve claims, and
+    # that of the ablations.
+    page = (made / "report" / "index.html").read_text()
+    assert page == "60 runs, 12 claims, 21 tables"
     # A second call has nothing to do, and says nothing of time.
     _, out, _ = reproduce("sbx-r", "--quick", "--seeds", "6")
     assert "of one core" not in out

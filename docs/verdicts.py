@@ -26,6 +26,9 @@ HEADS = {
     "not tested": "Not tested",
 }
 
+MAX_NAMED = 3
+"""Upper bound of the claims of a paper that are named where they are not significant."""
+
 Verdicts = list[tuple[str, str]]
 """Claims with their verdicts, in the order of a page."""
 
@@ -88,14 +91,16 @@ def claims_of(page: str) -> Verdicts:
 
 def _paper(link: str, claims: Verdicts, *, is_earlier: bool) -> list[str]:
     holding = [text for text, verdict in claims if verdict == "holds"]
-    count = f"{len(holding)} of {len(claims)} claims hold" + ("." if not holding else ":")
+    verb = "holds" if len(holding) == 1 else "hold"
+    count = f"{len(holding)} of {len(claims)} claims {verb}" + (":" if holding else ".")
     whose = f"{link}, by an earlier version of the experiment" if is_earlier else link
     lines = [" ".join((f"- **{whose}: {count}**", *holding))]
-    others = [
-        f"*{head}:* {' '.join(texts)}"
-        for verdict, head in HEADS.items()
-        if (texts := [text for text, of in claims if of == verdict])
-    ]
+    others = []
+    for verdict, head in HEADS.items():
+        texts = [text for text, of in claims if of == verdict]
+        is_short = verdict == "does not hold" or len(texts) <= MAX_NAMED
+        if texts:
+            others.append(f"*{head}:* {' '.join(texts) if is_short else f'{len(texts)} claims.'}")
     return [*lines, f"  - {' '.join(others)}"] if others else lines
 
 

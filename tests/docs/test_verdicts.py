@@ -51,7 +51,7 @@ def test_the_summary_is_that_of_todays_pages(verdicts):
 def test_every_claim_is_named_by_its_verdict(verdicts, results):
     lines = verdicts.verdicts(results).splitlines()
     assert lines[:2] == [
-        "- **[Multi-SRT](multi-srt.md): 1 of 3 claims hold:** It is so.",
+        "- **[Multi-SRT](multi-srt.md): 1 of 3 claims holds:** It is so.",
         "  - *Does not hold:* It is not. *Not significant:* Who knows.",
     ]
     assert len(lines) == 8
@@ -62,6 +62,14 @@ def test_a_page_of_an_earlier_experiment_is_said_to_be_one(verdicts, results):
     lines = [line for line in verdicts.verdicts(results).splitlines() if "earlier" in line]
     (line,) = lines
     assert line.startswith("- **[MinPos](minpos.md), by an earlier version of the experiment:")
+
+
+def test_many_claims_that_are_not_significant_are_counted(verdicts, results):
+    row = "| Who knows. | not significant |\n"
+    for more, told in ((2, "Who knows. Who knows. Who knows."), (3, "4 claims.")):
+        (results / "sbx-r.md").write_text(PAGE.replace("\n\n### It", f"\n{more * row}\n### It"))
+        line = verdicts.verdicts(results).splitlines()[3]
+        assert line == f"  - *Does not hold:* It is not. *Not significant:* {told}"
 
 
 @pytest.mark.slow
@@ -91,4 +99,4 @@ def test_it_writes_the_summary_once(verdicts, results, monkeypatch, capsys):
         "written",
         "unchanged",
     ]
-    assert "1 of 3 claims hold" in (results / "README.md").read_text("utf-8")
+    assert "1 of 3 claims holds" in (results / "README.md").read_text("utf-8")

@@ -303,7 +303,7 @@ ALVAREZ = Preset(
     tables=tables,
     deviations=DEVIATIONS,
     run_s=5.0,
-    quick_run_s=3.0,
+    quick_run_s=1.5,
     on_map=in_world,
     ablations=ABLATIONS,
 )

@@ -93,7 +93,7 @@ ABLATIONS = Ablations(
         _ablation(FINE_CELLS, cell_m=0.5 * CELL_M),
     ),
     repetitions=15,
-    run_s=3.5,
+    run_s=3.0,
     quick_repetitions=6,
     own_tables=exponents,
 )

@@ -51,9 +51,9 @@ class MultiSrtOptions(SrtOptions, frozen=True, kw_only=True, forbid_unknown_fiel
         Which of these trees is supported: the one whose root has the shortest path, or the
         one that was extended last.
     no_place_after : int or None
-        Without the third stage of the planner (``complete=False``): number of times that robots
-        of the same body and drive have found no place at a node, after which none of them goes
-        there to support its tree; they tell one another. None: each tries for itself.
+        Only without the third stage of the planner (``complete=False``): number of times that
+        robots of the same body and drive have found no place at a node, after which none of them
+        goes there to support its tree; they tell one another. None: each tries for itself.
     take_over_after_s : float
         With a limited radio, time after which a robot that is done with its own tree takes over
         the frontier of a robot that it has not heard from.
@@ -142,6 +142,12 @@ class MultiSrtOptions(SrtOptions, frozen=True, kw_only=True, forbid_unknown_fiel
                 continue
             if not 0.0 < value < math.inf:
                 raise InvalidInputError(f"{name} is {value}; it must be positive")
+        if self.complete and self.no_place_after is not None:
+            raise InvalidInputError(
+                f"no_place_after is {self.no_place_after}, but complete is true: with the third "
+                "stage of the planner robots do not tell where they found no place; set complete "
+                "to false, or leave out no_place_after"
+            )
         for name in _AT_LEAST_ONE:
             if getattr(self, name) < 1:
                 raise InvalidInputError(f"{name} is {getattr(self, name)}; it must be at least 1")

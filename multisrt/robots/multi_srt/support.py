@@ -151,7 +151,7 @@ def open_frontier(robot: SrtRobot, root: NodeId) -> float:
     Without the arcs that the robot leaves for later, and, with `no_place_after`, without those of
     nodes at which robots like it have found no place.
     """
-    if robot.no_place_limit is None:
+    if robot.options.no_place_after is None:
         return robot.deferred.open_m(root)
     return math.fsum(
         total_length(robot.deferred.frontier(node))

@@ -157,3 +157,26 @@ class MultiSrtOptions(SrtOptions, frozen=True, kw_only=True, forbid_unknown_fiel
                     f"{high} is {getattr(self, high)}; it must be at least {low}, which is "
                     f"{getattr(self, low)}"
                 )
+
+
+class BallOptions(MultiSrtOptions, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Parameters of a Multi-SRT explorer whose safe regions are balls.
+
+    A ball is no larger than the distance from the nearest obstacle, and allows steps that are as
+    small. In a corridor of three body widths they are shorter than the `d_min_m` of other regions,
+    which would refuse all of them.
+
+    Attributes
+    ----------
+    d_min_m : float or None
+        As above; here None for half of the body's width.
+
+    Examples
+    --------
+    >>> MultiSrtOptions().distance_from_nodes_m(0.5), BallOptions().distance_from_nodes_m(0.5)
+    (0.5, 0.25)
+    """
+
+    def distance_from_nodes_m(self, width_m: float) -> float:
+        """Return `d_min_m`, or its default for a body of this width in metres."""
+        return 0.5 * width_m if self.d_min_m is None else self.d_min_m

@@ -147,8 +147,8 @@ def may_need_support(robot: SrtRobot, root: NodeId, open_m: float, active: int) 
 
 def is_in_contact(robot: SrtRobot, root: NodeId) -> bool:
     """Whether a robot has just heard from all that work on a tree, and from its owner."""
-    since_s = robot.at.time_s - robot.options.check_period_s
-    return all(robot.team.roster.heard_s.get(n, -math.inf) >= since_s for n in _at_work(robot, root))
+    heard_s, since_s = robot.team.roster.heard_s, robot.at.time_s - robot.options.check_period_s
+    return all(heard_s.get(n, -math.inf) >= since_s for n in _at_work(robot, root))
 
 
 def _choose(robot: SrtRobot, candidates: tuple[NodeId, ...]) -> NodeId | None:

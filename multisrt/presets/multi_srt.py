@@ -17,6 +17,7 @@ from multisrt.presets.multi_srt_ablations import (
     ABLATIONS,
     DISTANCE_GROWS,
     FOUR_BODIES,
+    IN_CONTACT,
     KNOWN,
     LIMITED,
     NEAREST_OPEN,
@@ -24,7 +25,9 @@ from multisrt.presets.multi_srt_ablations import (
     NO_GAPS,
     NO_TAKE_OVER,
     NONE_SUPPORTED,
+    OPEN_ENTRY,
     PAPERS_PLANNER_ALONE,
+    PLANNER_TELLS,
     RADIAL,
     RADIO_RANGE_M,
     STAR,
@@ -61,7 +64,7 @@ DEVIATIONS = (
         "rooms: an approach to frontiers that no random draw reaches, and at the root a path back "
         "to frontiers left open. Frontier that no reachable place can open is closed, so that an "
         "exploration ends with its map known complete.",
-        (PAPERS_PLANNER_ALONE,),
+        (PAPERS_PLANNER_ALONE, PLANNER_TELLS),
     ),
     Deviation(
         "d_min, the minimum distance between nodes, is the body's width. The paper gives no value.",
@@ -85,13 +88,14 @@ DEVIATIONS = (
     Deviation(
         "Support: a tree may be supported from an open frontier of the sensing range per active "
         "robot (the paper gives no F bar). Trees are joined by bridges, and robots go home from "
-        "where they stand; the paper leaves both open.",
-        (NONE_SUPPORTED,),
+        "where they stand; the paper leaves both open. As in the paper, support begins at the root "
+        "of a tree.",
+        (NONE_SUPPORTED, OPEN_ENTRY),
     ),
     Deviation(
         "Take-over: with the limited radio a robot that is done takes over the frontier of one "
         "that it has not heard from for two minutes. In the paper there is no support then.",
-        (NO_TAKE_OVER,),
+        (NO_TAKE_OVER, IN_CONTACT),
     ),
     Deviation(
         "Worlds: the garden and the clutter of the catalog, with their default parameters. The "

@@ -50,6 +50,9 @@ NO_GAPS = "gaps are no frontier"
 NO_CUTS = "cuts are obstacles"
 NEAREST_OPEN = "back to the nearest open node"
 NONE_SUPPORTED, NO_TAKE_OVER = "no support", "no take-over"
+OPEN_ENTRY = "support begins at the nearest open node"
+IN_CONTACT = "support of robots in contact"
+PLANNER_TELLS = "the paper's planner alone, robots tell of nodes without a place"
 
 CLUSTER: Teams = (8,)
 LIMITED = RadioChoice(range_m=RADIO_RANGE_M, label=f"{RADIO_RANGE_M:g} m")
@@ -60,6 +63,9 @@ PAPERS_PLANNER: dict[str, Scalar] = {"approach": False, "complete": False}
 
 NO_SUPPORT: dict[str, Scalar] = {"support": False}
 """Without support of other trees; with the limited radio this is the take-over of theirs."""
+
+ENTRY: dict[str, Scalar] = {"entry": "nearest_open"}
+"""Support from the nearest open node of a tree instead of its root."""
 
 
 def _ablation(
@@ -97,6 +103,7 @@ ABLATIONS = Ablations(
     quick_repetitions=6,
     changes=(
         _ablation(DIFFERENCES, PAPERS_PLANNER_ALONE, PAPERS_PLANNER, robots=(1, 8)),
+        _ablation(DIFFERENCES, PLANNER_TELLS, {**PAPERS_PLANNER, "no_place_after": 3}),
         _ablation(DIFFERENCES, TWO_BODIES, {"d_min_m": 1.0}),
         _ablation(DIFFERENCES, FOUR_BODIES, {"d_min_m": 2.0}),
         _ablation(DIFFERENCES, NO_GAPS, {"gaps_count": False}),
@@ -107,8 +114,10 @@ ABLATIONS = Ablations(
             strategy=STAR,
         ),
         _ablation(DIFFERENCES, NEAREST_OPEN, {"backtrack": "nearest_open"}),
+        _ablation(DIFFERENCES, OPEN_ENTRY, ENTRY),
         _ablation(DIFFERENCES, NONE_SUPPORTED, NO_SUPPORT),
         _ablation(DIFFERENCES, NO_TAKE_OVER, NO_SUPPORT, radio=LIMITED),
+        _ablation(DIFFERENCES, IN_CONTACT, {"support_in_contact": True}, radio=LIMITED),
         _ablation(
             DISTANCE,
             NO_TAKE_OVER,
@@ -120,6 +129,7 @@ ABLATIONS = Ablations(
         _ablation(DISTANCE, NONE_SUPPORTED, NO_SUPPORT, robots=_LARGE, starts="scattered"),
         _ablation(CLUSTERED, PAPERS_PLANNER_ALONE, PAPERS_PLANNER, robots=_LARGE),
         _ablation(CLUSTERED, NONE_SUPPORTED, NO_SUPPORT, robots=_LARGE),
+        _ablation(CLUSTERED, OPEN_ENTRY, ENTRY, robots=_LARGE),
     ),
 )
 """The ablations of the page."""

@@ -33,9 +33,9 @@ def conditions(spec: RunSpec) -> list[str]:
     """
     robots = spec.robots
     count = len(robots)
-    phrases = ["1 robot" if count == 1 else f"{count} robots, {spec.starts} starts"]
+    phrases = ["1 robot"]
     if count > 1:
-        phrases.append(_radio(spec.radio))
+        phrases = [f"{count} robots", f"{spec.starts} starts", _radio(spec.radio)]
     phrases += [
         _of_all(robots, _range_finder),
         _of_all(robots, lambda robot: f"body {robot.footprint}"),

@@ -132,7 +132,10 @@ class LiveReplay:
         self._packed.append(_packed(recording, UNEXPLAINED))
 
     def _pack(self, recording: Recording) -> None:
-        current = _packed(recording, UNEXPLAINED) | {"outcome": "still going on", "reason": "so far"}
+        current = _packed(recording, UNEXPLAINED) | {
+            "outcome": "still going on",
+            "reason": "so far",
+        }
         self._put([*self._packed, current], NOTE, [*self._finished, recording])
 
     def _pack_last(self, outcome: str) -> None:

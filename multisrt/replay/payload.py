@@ -196,7 +196,7 @@ def _packed_activities(
     recording: Recording, environment: Environment, cut_off: Sequence[Isolation]
 ) -> Packed:
     spells = activities(recording, environment, with_isolation=False)
-    names = [name for name in ACTIVITIES if name != "cut off"]
+    names: list[str] = [name for name in ACTIVITIES if name != "cut off"]
     return {
         "names": names,
         "robots": [

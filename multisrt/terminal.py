@@ -31,7 +31,7 @@ class LiveLine:
 
     It is shown on standard error if that is a terminal, and there vanishes at the end. In a
     notebook it is a line of text that is rewritten in place. Elsewhere it is a new line on standard
-    error after `FIRST_S` seconds, and another every `EVERY_S` seconds.
+    error after `FIRST_S` seconds, and every `EVERY_S` seconds another if it has changed.
 
     Parameters
     ----------
@@ -131,10 +131,12 @@ class LiveLine:
         return self._line()
 
     def _log(self, file: TextIO) -> None:
-        pause_s = FIRST_S
+        pause_s, last = FIRST_S, ""
         while not self._ends.wait(pause_s):
             pause_s = EVERY_S
-            print(self.logged(), file=file, flush=True)
+            if (line := self.logged()) != last:
+                print(line, file=file, flush=True)
+                last = line
 
     def _line(self) -> str:
         # The line as text: activity, share or count, note.

@@ -265,8 +265,8 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
             ("covered", covered),
             ("95 % covered at", _seconds(self.time_to_95_s)),
             ("map known complete at", _seconds(self.known_complete_s)),
-            ("all done at", _seconds(self.makespan_s)),
-            ("lower bound of the time", _seconds(self.lower_bound_s)),
+            ("ended at (makespan)", _seconds(self.makespan_s)),
+            ("lower bound of the makespan", _seconds(self.lower_bound_s)),
             ("distance", f"{self.total_distance_m:,.1f} m"),
         ]
         if is_team:

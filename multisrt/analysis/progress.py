@@ -56,7 +56,12 @@ class Progress(LiveLine):
 
     def compiling(self, done: int, about: int) -> None:
         """Show how many kernels have been compiled; see `watch_compilation`."""
-        self.update(total=float(about), completed=float(done), note=compiling_note(done, about))
+        self.update(
+            description="compiling kernels",
+            total=float(about),
+            completed=float(done),
+            note=f"{done} of about {about}",
+        )
 
     def say(self, note: str) -> None:
         """Show an activity without a share."""

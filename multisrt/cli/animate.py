@@ -10,7 +10,7 @@ import click
 
 from multisrt.cli.layers import without_option
 from multisrt.cli.output_options import ANIMATION_NAME, force_option, out_file, quiet_option
-from multisrt.cli.outputs import require_no_file
+from multisrt.cli.outputs import require_place
 from multisrt.cli.recordings import recording_in
 
 
@@ -76,7 +76,7 @@ def animate(
         require_format(out)
     path = recording_in(recording)
     out = path.with_name(ANIMATION_NAME) if out is None else out
-    require_no_file(out, force=force)
+    require_place(out, force=force)
     with LiveLine(not quiet, "reading", str(path)) as line:
         loaded = Recording.load(path)
         line.update(description="drawing", note=str(out))

@@ -221,7 +221,7 @@ Exit code:
 @click.option(
     "--details",
     is_flag=True,
-    help="Print all measures.  [default: the main ones; of more than two runs a line for each]",
+    help="Print all measures, not only the main ones, of more than two runs a line for each.",
 )
 @click.option("--watch", is_flag=True, help="Draw the team in the terminal while it runs.")
 @quiet_option()

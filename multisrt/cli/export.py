@@ -8,7 +8,7 @@ import click
 
 from multisrt.cli.layers import without_option
 from multisrt.cli.output_options import EXPORT_NAME, force_option, out_file, quiet_option
-from multisrt.cli.outputs import require_no_file
+from multisrt.cli.outputs import require_place
 from multisrt.cli.recordings import recording_in
 
 
@@ -78,7 +78,7 @@ def export(
         require_format(out)
     path = recording_in(recording)
     out = path.with_name(EXPORT_NAME) if out is None else out
-    require_no_file(out, force=force)
+    require_place(out, force=force)
     with LiveLine(not quiet, "reading", str(path)) as live:
         loaded = Recording.load(path)
         live.update(description="exporting", note=str(out), total=1.0, completed=0.0)

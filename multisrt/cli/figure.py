@@ -10,7 +10,7 @@ import click
 
 from multisrt.cli.layers import without_option
 from multisrt.cli.output_options import FIGURE_NAME, force_option, out_file, quiet_option
-from multisrt.cli.outputs import require_no_file
+from multisrt.cli.outputs import require_place
 from multisrt.cli.recordings import file_beside, recordings_in
 
 if TYPE_CHECKING:
@@ -121,7 +121,7 @@ def figure(
     paths = recordings_in(recordings)
     target = out or file_beside(recordings[0], FIGURE_NAME.format(kind=kind))
     write = _writer(kind, target)
-    require_no_file(target, force=force)
+    require_place(target, force=force)
     options = FigureOptions(
         **{name: value for name, value in given.items() if value not in ((), None)}
     )

@@ -78,6 +78,26 @@ def require_no_file(path: Path, *, force: bool) -> None:
         )
 
 
+def require_place(path: Path, *, force: bool) -> None:
+    """Check that a file may be written to a folder that is there.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    force : bool
+        Whether the user asked to replace it.
+
+    Raises
+    ------
+    InvalidInputError
+        If its folder does not exist, or something is there and was not to be replaced.
+    """
+    if not path.parent.is_dir():
+        raise InvalidInputError(f"cannot write {path}: there is no folder {path.parent}")
+    require_no_file(path, force=force)
+
+
 def require_no_run(folder: Path, *, force: bool) -> None:
     """Check that the files of a run may be written to a folder.
 

@@ -17,12 +17,13 @@ def recording_in(path: Path) -> Path:
     Returns
     -------
     Path
-        The file; whether it is a recording is found when it is read.
+        The file, which is there; whether it is a recording is found when it is read.
 
     Raises
     ------
     InvalidInputError
-        If there is none in the folder, or more than one, or the path is of another file of a run.
+        If there is nothing, or in the folder none or more than one, or the path is of another file
+        of a run.
     """
     from multisrt.geometry.errors import InvalidInputError
 
@@ -45,12 +46,12 @@ def recordings_in(paths: Iterable[Path]) -> list[Path]:
     Returns
     -------
     list of Path
-        The files; whether they are recordings is found when they are read.
+        The files, which are there; whether they are recordings is found when they are read.
 
     Raises
     ------
     InvalidInputError
-        If there is none in a folder, or a path is of another file of a run.
+        If there is nothing, or none in a folder, or a path is of another file of a run.
     """
     return [file for path in paths for file in _found(path)]
 
@@ -82,4 +83,6 @@ def _found(path: Path) -> list[Path]:
             raise InvalidInputError(
                 f"{path} is not a recording; the recording of the run is {beside}"
             )
+    if not path.exists():
+        raise InvalidInputError(f"{path}: No such file or directory")
     return [path]

@@ -81,7 +81,7 @@ def print_summary(
         spec = run.spec
         many = f", {len(spec.robots)} robots" if len(spec.robots) > 1 else ""
         click.echo(f"{spec.strategy} in {run.environment.name}{many}, seed {spec.seed}: ", nl=False)
-        click.echo(run.outcome)
+        click.echo(_ended(run))
         click.echo(f"  {run.reason}")
     _print_reach(runs[0])
     if details or regrets or len(runs) <= MAX_WIDE:
@@ -95,10 +95,24 @@ def print_summary(
         click.echo("\n".join(str(folders[0] / name) for name in RUN_FILES))
 
 
+def _ended(run: Run) -> str:
+    from multisrt.drawing.account import OUTCOMES
+    from multisrt.experiments.results import is_success
+
+    outcome = OUTCOMES[run.recording.footer.outcome]
+    if is_success(run.metrics):
+        return outcome
+    return f"{outcome}, but only {100.0 * run.metrics.coverage:.1f} % covered: no success"
+
+
 def _print_measures(runs: list[Run], regrets: list[Regret] | None, *, details: bool) -> None:
     scans = {_scans(run) for run in runs}
     nodes = (
-        "nodes or scans" if len(scans) > 1 else "informative scans" if True in scans else "nodes"
+        "nodes or informative scans"
+        if len(scans) > 1
+        else "informative scans"
+        if True in scans
+        else "nodes"
     )
     rows = [_rows(run, nodes, runs, details=details) for run in runs]
     for row, run, times in zip(rows, runs, regrets or (), strict=False):
@@ -162,6 +176,7 @@ def _print_reach(run: Run) -> None:
 def _rows(run: Run, nodes: str, runs: list[Run], *, details: bool) -> Rows:
     from multisrt.analysis.metrics import SUCCESS_COVERAGE
     from multisrt.experiments.results import is_success
+    from multisrt.explain.terms import GIVEN_UP
 
     m = run.metrics
     team = len(run.spec.robots) > 1
@@ -180,13 +195,13 @@ def _rows(run: Run, nodes: str, runs: list[Run], *, details: bool) -> Rows:
         ),
         "seen": f"{100.0 * m.seen:.2f} %",
         **{
-            f"uncovered: {why}": f"{m.given_up_m2.get(why, 0.0):.1f} m2"
+            f"uncovered: {GIVEN_UP.get(why, why)}": f"{m.given_up_m2.get(why, 0.0):.1f} m2"
             for why in _kinds(_large(run.metrics.given_up_m2) for run in runs)
         },
         **_times_covered(run, narrow=len(runs) > MAX_WIDE),
         "map known complete at": _seconds(m.known_complete_s),
-        "all done at": _seconds(m.makespan_s),
-        "lower bound of the time": _seconds(m.lower_bound_s),
+        "ended at (makespan)": _seconds(m.makespan_s),
+        "lower bound of the makespan": _seconds(m.lower_bound_s),
         f"distance{of_all}": f"{m.total_distance_m:.1f} m",
         **(_team_rows(run, narrow=len(runs) > MAX_WIDE) if team else {}),
         nodes: str(m.nodes),
@@ -235,7 +250,7 @@ def _regret_rows(run: Run, times: Regret) -> Rows:
 
 
 def _multiple(value: float | None) -> str:
-    return "none" if value is None else f"{value:.2f}"
+    return "never" if value is None else f"{value:.2f}"
 
 
 def _times_covered(run: Run, *, narrow: bool) -> Rows:
@@ -271,7 +286,7 @@ def _team_rows(run: Run, *, narrow: bool) -> Rows:
 def _isolation(run: Run) -> Rows:
     m = run.metrics
     rows = {
-        "a robot isolated for": f"{m.isolated_total_s:.1f} s",
+        "some robot isolated for": f"{m.isolated_total_s:.1f} s",
         "longest isolation": f"{m.isolated_longest_s:.1f} s",
     }
     if m.isolated_total_s and m.beyond_range_m is not None:

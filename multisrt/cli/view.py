@@ -11,7 +11,7 @@ import click
 
 from multisrt.cli.imports import import_all, import_option
 from multisrt.cli.output_options import REPLAY_NAME, force_option, out_file, quiet_option
-from multisrt.cli.outputs import require_no_file
+from multisrt.cli.outputs import require_place
 from multisrt.cli.recordings import file_beside, recordings_in
 
 if TYPE_CHECKING:
@@ -63,11 +63,12 @@ def view(
     from multisrt.recording import Recording
     from multisrt.terminal import LiveLine
 
+    require_few(len(recordings))
     import_all(imports)
     paths = recordings_in(recordings)
     require_few(len(paths))
     page = out or file_beside(recordings[0], REPLAY_NAME)
-    require_no_file(page, force=force)
+    require_place(page, force=force)
     with LiveLine(not quiet, "reading") as line:
         loaded = []
         for path in paths:

@@ -227,12 +227,10 @@ class _Picture:
     def _account(self) -> str:
         robots = len(self._places)
         team = f", {robots} robots" if robots > 1 else ""
-        parts = [
-            f"{self._strategy} in {self._world.name}{team}: {self._time_s:.0f} s",
-            f"{100.0 * self._share:.0f} % seen",
-            f"{self._scans} scans",
-        ]
-        return ", ".join((*parts, self.note) if self.note else parts)
+        seen = f"{self._time_s:.0f} s, {100.0 * self._share:.0f} % seen, {self._scans} scans"
+        note = f", {self.note}" if self.note else ""
+        # In a narrow terminal the end is cut off: what does not change.
+        return f"{seen}{note}: {self._strategy} in {self._world.name}{team}"
 
 
 def ink() -> Ink:

@@ -67,7 +67,7 @@ ORDERS: Final[dict[str, Term]] = {
 
 REASONS: Final[dict[str, str]] = {
     "start": "it had taken its first scan",
-    "reached": "it had reached its last goal",
+    "reached": "it had reached its last goal, or had it in sight",
     "news": "its map had changed",
     "nothing left": "nothing was left to be seen at its last goal",
     "no way": "the path to its last goal turned out to be blocked",
@@ -90,6 +90,16 @@ RULES: Final[dict[str, str]] = {
 }
 """Rules by which they chose it, by `rule` of `GoalChosen`."""
 
+
+GIVEN_UP: Final[dict[str, str]] = {
+    "too narrow": "too narrow for the body",
+    "not reachable": "no known path to where the body fits",
+    "seen from near": "scanned from all places near",
+    "blocked by a robot": "blocked by a robot",
+    "left open": "the frontier was left open",
+    "no frontier": "no frontier borders on it",
+}
+"""Why an area was left uncovered, by the reasons of `multisrt.analysis.given_up.given_up_m2`."""
 
 NO_CONFLICT: Final = "no conflict"
 """The reason of a decision of the SRT family that no master had to coordinate."""

@@ -168,7 +168,7 @@ class Simulation:
                 self.motions.end_all(end_s)
                 return self._finish(end_s, "stalled", self._standstill.reason(self.robots))
             self.motions.end_all(max_time_s)
-            reason = f"the {max_time_s:g} s of the stop rule are over"
+            reason = f"the time limit of {max_time_s:g} s is reached"
             return self._finish(max_time_s, "out_of_time", reason)
         return self._finish(self.journal.last_s, *self._outcome())
 
@@ -216,10 +216,12 @@ class Simulation:
             wait = "waits" if len(waiting) == 1 else "wait"
             return "stalled", f"{named_robots(waiting)} {wait} for a message that never comes"
         ends = [robot.end for robot in living if robot.end is not None]
+        dead = [robot.number for robot in self.robots if robot.state == "dead"]
         if len({end.reason for end in ends}) == 1 and len(ends) > 1:
-            reasons = f"all robots: {ends[0].reason}"
+            told = [f"all {'others' if dead else 'robots'}: {ends[0].reason}"]
         else:
-            reasons = "; ".join(f"robot {end.robot}: {end.reason}" for end in ends)
+            told = [f"robot {end.robot}: {end.reason}" for end in ends]
+        reasons = "; ".join([f"{named_robots(dead)} died", *told] if dead else told)
         return ("complete" if all(end.complete for end in ends) else "stalled"), reasons
 
 

@@ -120,7 +120,7 @@ def test_options_of_output_are_worded_alike(call):
     single = [said("--out", name) for name in ("animate", "export")]
     several = [said("--out", name) for name in ("view", "figure")]
     assert all(text.endswith("in the folder of the recording]") for text in single)
-    assert all(text.endswith("in the folder of the first recording]") for text in several)
+    assert all(text.endswith("in the folder of the first RECORDING]") for text in several)
     commands = "animate", "export", "view", "figure"
     assert {said("--force", name) for name in commands} == {"Replace FILE if it exists."}
     for name in commands:

@@ -83,7 +83,7 @@ def test_the_last_picture_stays_before_the_summary(folder):
     text = "".join(picture)
     assert "0" in text
     assert "1" in text
-    assert re.fullmatch(r"srt-radial in \w+, 2 robots: \d+ s, 100 % seen, \d+ scans", account)
+    assert re.fullmatch(r"\d+ s, 100 % seen, \d+ scans: srt-radial in \w+, 2 robots", account)
     for meaning in ("wall", "not seen", "seen first by a robot", "robots"):
         assert meaning in key
     assert "dead" not in key
@@ -132,8 +132,8 @@ def test_strategies_have_a_picture_each(folder):
     )
     assert code in (0, 3), written
     plain = CONTROL.sub("", written)
-    assert re.search(r"srt-radial in \w+, 2 robots: \d+ s, \d+ % seen", plain)
-    assert re.search(r"closest in \w+, 2 robots: \d+ s, \d+ % seen", plain)
+    assert re.search(r"\d+ s, \d+ % seen, \d+ scans: srt-radial in \w+, 2 robots", plain)
+    assert re.search(r"\d+ s, \d+ % seen, \d+ scans: closest in \w+, 2 robots", plain)
 
 
 def test_without_a_terminal_it_is_an_error(call: Call, folder):

@@ -47,7 +47,7 @@ def test_a_robot_that_dies_while_moving_stays_there(play, straight, events_of):
     assert told[0] == []
     # The run ends when all living robots are done.
     assert recording.footer.outcome == "complete"
-    assert recording.footer.reason == "robot 1: enough"
+    assert recording.footer.reason == "robot 0 died; robot 1: enough"
 
 
 def test_the_living_go_on_after_a_death(play, straight):

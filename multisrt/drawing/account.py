@@ -120,7 +120,7 @@ def legend(
             "paths",
             "path off the tree",
             styles.team_path if team else styles.path,
-            any(t.is_off_tree for t in traces),
+            any(t.off_tree for t in traces),
         ),
         ("frontier", "open frontier", FRONTIER, any(t.frontier for t in traces)),
         *(

@@ -84,11 +84,19 @@ def plot_steps(
         import matplotlib.pyplot as plt
     if ax is None:
         _, ax = plt.subplots(layout="constrained")
-        ax.set_xlabel("time (s)")
-        ax.set_ylabel("covered share of the explorable area")
-        ax.set_ylim(0.0, 1.02)
     ax.step(times_s, shares, where="post", **line)
+    if ax.get_autoscaley_on():
+        ax.set_ylim(0.0, 1.02)
+    label_axes(ax, "time (s)", "covered share of the explorable area")
     return ax
+
+
+def label_axes(ax: Axes, x: str, y: str) -> None:
+    """Set the labels of axes that have none."""
+    if not ax.get_xlabel():
+        ax.set_xlabel(x)
+    if not ax.get_ylabel():
+        ax.set_ylabel(y)
 
 
 def _with_legend(sheet: Sheet) -> Axes:

@@ -5,20 +5,20 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from multisrt.drawing.axes import POINTS_PER_MM
 from multisrt.drawing.colours import RobotStyles
 from multisrt.drawing.figures.panels import panels
-from multisrt.drawing.figures.style import FigureStyle
+from multisrt.drawing.figures.style import FigureStyle, listed
 from multisrt.drawing.figures.world import draw_numbers, draw_world, world_handles
 from multisrt.drawing.traces import traces_of
+from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.recording import Recording
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-MAX_LISTED = 12
-"""Upper bound of the robots up to which the legend has an entry for each."""
 
 
 def draw_trajectories(
@@ -49,10 +49,10 @@ def draw_trajectories(
         edge = RobotStyles.of(trace.robot).edge
         width = edge.width_mm * POINTS_PER_MM
         (line,) = ax.plot(
-            *trace.path.T,
+            *_with_gaps(trace.stretches).T,
             color=edge.stroke,
             linewidth=width,
-            label=f"robot {trace.robot}: {trace.distance_m:,.0f} m",
+            label=f"robot {trace.robot}",
             zorder=2.0,
             gid=f"path of robot {trace.robot}",
         )
@@ -74,6 +74,13 @@ def draw_trajectories(
     return lines
 
 
+def _with_gaps(lines: Sequence[FloatArray]) -> FloatArray:
+    # The points of some lines, with a point that is drawn nowhere after each but the last.
+    gap = np.full((1, 2), np.nan)
+    parts = [part for line in lines for part in (gap, line)]
+    return np.vstack(parts[1:]) if parts else np.empty((0, 2))
+
+
 def trajectories_figure(
     recordings: Sequence[Recording], style: FigureStyle, robots: Sequence[int] | None = None
 ) -> Figure:
@@ -81,13 +88,13 @@ def trajectories_figure(
     found: dict[str, Any] = {}
 
     def draw(recording: Recording, ax: Axes, map_mm: float) -> None:
-        for number, line in enumerate(draw_trajectories(recording, ax, map_mm, robots)):
-            if len(recordings) > 1:
-                line.set_label(str(line.get_label()).partition(":")[0])
-            if number < MAX_LISTED:
-                found.setdefault(str(line.get_label()), line)
+        for line in draw_trajectories(recording, ax, map_mm, robots):
+            found.setdefault(str(line.get_label()), line)
 
-    return panels(recordings, style, draw, lambda: [*found.values(), *_marks(), *world_handles()])
+    def legend() -> list[Any]:
+        return [*listed(list(found.values())), *_marks(), *world_handles()]
+
+    return panels(recordings, style, draw, legend)
 
 
 def _marks() -> list[Any]:

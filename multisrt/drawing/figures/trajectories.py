@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from multisrt.drawing.colours import RobotStyles
 from multisrt.drawing.figures.panels import panels
 from multisrt.drawing.figures.style import FigureStyle, listed
 from multisrt.drawing.figures.world import draw_numbers, draw_world, world_handles
+from multisrt.drawing.svg import CORNERS
 from multisrt.drawing.traces import traces_of
 from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.recording import Recording
@@ -19,6 +20,10 @@ from multisrt.recording import Recording
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from matplotlib.markers import MarkerStyle
+
+END_PT: Final = 7.5
+"""Length of the marker of an end, in points."""
 
 
 def draw_trajectories(
@@ -63,9 +68,10 @@ def draw_trajectories(
             died = trace.death is not None
             ax.plot(
                 *trace.end[:2],
-                "X" if died else "s",
+                marker="X" if died else arrow(trace.end.heading),
+                linestyle="none",
                 color=edge.stroke,
-                markersize=5.5 if died else 4.5,
+                markersize=5.5 if died else END_PT,
                 markeredgecolor="black",
                 markeredgewidth=0.5,
                 zorder=3.0,
@@ -79,6 +85,17 @@ def _with_gaps(lines: Sequence[FloatArray]) -> FloatArray:
     gap = np.full((1, 2), np.nan)
     parts = [part for line in lines for part in (gap, line)]
     return np.vstack(parts[1:]) if parts else np.empty((0, 2))
+
+
+def arrow(heading: float) -> MarkerStyle:
+    """Return the marker of ends on maps of runs, for a heading in radians."""
+    from matplotlib.markers import MarkerStyle
+    from matplotlib.path import Path
+    from matplotlib.transforms import Affine2D
+
+    corners = [*CORNERS["arrow"], CORNERS["arrow"][0]]
+    turn = Affine2D().rotate(heading)
+    return MarkerStyle(Path(turn.transform(corners), closed=True))
 
 
 def trajectories_figure(
@@ -103,5 +120,5 @@ def _marks() -> list[Any]:
     edge = {"linestyle": "none", "markeredgecolor": "black", "markerfacecolor": "white"}
     return [
         Line2D([], [], marker="o", markersize=5.5, label="start", **edge),  # type: ignore[arg-type]
-        Line2D([], [], marker="s", markersize=4.5, label="end", **edge),  # type: ignore[arg-type]
+        Line2D([], [], marker=arrow(0.0), markersize=END_PT, label="end", **edge),  # type: ignore[arg-type]
     ]

@@ -162,7 +162,7 @@ def test_coverage_curves_end_at_what_the_run_covered(study, axes_of):
     metrics = msgspec.structs.replace(result.metrics, coverage=0.9998, makespan_s=500.0)
     curve = (*result.covered_at_s[:100], None)
     almost = msgspec.structs.replace(result, metrics=metrics, covered_at_s=curve)
-    only = Study(Results(study.results.spec, [almost], 1, provenance()))
+    only = Study(Results(study.results.experiment, [almost], 1, provenance()))
     ((axes, _),) = axes_of(figures.coverage_curves, only).values()
     (line,) = axes.lines
     assert (x_of(line)[-1], y_of(line)[-1]) == (500.0, pytest.approx(0.9998))

@@ -1,6 +1,7 @@
 """Figures show what recordings say."""
 
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ from multisrt.analysis.decision_counts import decision_counts
 from multisrt.analysis.heat_maps import isolated_times, visits
 from multisrt.analysis.run_tables import coverage_curve
 from multisrt.drawing.colours import RobotStyles
-from multisrt.drawing.figures import FigureOptions, draw_figure
+from multisrt.drawing.figures import FigureOptions, draw_figure, figure_bytes
 from multisrt.drawing.figures.activity import draw_activity
 from multisrt.drawing.figures.coverage import draw_coverage
 from multisrt.drawing.figures.run_map import draw_map
@@ -224,6 +225,17 @@ def test_the_legend_of_a_map_shows_the_areas_of_robots(growers):
         assert ("seen first by a robot" in texts) == (not without)
         fills = {to_hex(patch.get_facecolor()) for patch in legend.get_patches()}
         assert (RobotStyles.of(1).area.fill in fills) == (not without)
+
+
+def test_figures_are_drawn_of_runs_and_of_recordings_only():
+    run = ms.explore("open", seed=1, max_time_s=5.0)
+    of_recording = figure_bytes("trajectories", run.recording)
+    assert figure_bytes("trajectories", run) == of_recording
+    assert figure_bytes("trajectories", [run]) == of_recording
+    several_wrong: list[Any] = [1, "recording.jsonl", [run, None]]
+    for wrong in several_wrong:
+        with pytest.raises(InvalidInputError, match="drawn of runs or recordings, not of"):
+            draw_figure("coverage", wrong)
 
 
 def at_times(curve, times):

@@ -159,14 +159,15 @@ def test_coverage_curves_are_medians_and_quartiles(study, axes_of):
 
 def test_coverage_curves_end_at_what_the_run_covered(study, axes_of):
     result = next(one for one in study.results if one.metrics is not None)
-    metrics = msgspec.structs.replace(result.metrics, coverage=0.9998, makespan_s=500.0)
+    metrics = msgspec.structs.replace(result.metrics, coverage=0.9998)
     curve = (*result.covered_at_s[:100], None)
     almost = msgspec.structs.replace(result, metrics=metrics, covered_at_s=curve)
     only = Study(Results(study.results.experiment, [almost], 1, provenance()))
     ((axes, _),) = axes_of(figures.coverage_curves, only).values()
     (line,) = axes.lines
-    assert (x_of(line)[-1], y_of(line)[-1]) == (500.0, pytest.approx(0.9998))
-    before = y_of(line)[x_of(line) < 500.0]
+    end_s = metrics.makespan_s
+    assert (x_of(line)[-1], y_of(line)[-1]) == (end_s, pytest.approx(0.9998))
+    before = y_of(line)[x_of(line) < end_s]
     assert before[-1] == pytest.approx(0.99)
 
 

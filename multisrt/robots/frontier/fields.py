@@ -12,7 +12,7 @@ from multisrt.robots.frontier.goal import Place
 NEAR_BY_CELLS = 8
 """Bounds, in cells, how far from a robot's own cell its paths may begin."""
 
-MAX_FIELDS = 8
+MAX_FIELDS = 16
 """Number of distance fields that are kept; the one not asked for longest is dropped."""
 
 

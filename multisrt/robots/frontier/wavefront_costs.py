@@ -153,6 +153,13 @@ class WavefrontCosts:
         with self.robot.around_bodies():
             return self._first(robot, frontiers, limit_m)
 
+    def own_cost(self, target: int) -> float:
+        """Return the deciding robot's cost to a target in metres; ``inf`` if it cannot reach it."""
+        if self.field is not None and not np.isfinite(self.costs[self.row, target]):
+            with self.robot.around_bodies():
+                self.costs[self.row, target] = self.field.distance(self._indices[[target]])[0]
+        return float(self.costs[self.row, target])
+
     def _first(self, robot: int, frontiers: IntArray, limit_m: float) -> tuple[float, int] | None:
         field = self._field_from(robot)
         found = None if field is None else field.first(self._indices[frontiers], limit_m)

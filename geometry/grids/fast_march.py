@@ -98,16 +98,31 @@ def seed(free: BoolArray, starts: FloatArray, march: March) -> int:
     """
     rows, columns = free.shape
     cells, keys, places = march.cells, march.keys, march.places
+    blocked = np.zeros((2 * EXACT_CELLS + 2, 2 * EXACT_CELLS + 2), np.int32)
     held = 0
     for k in range(starts.shape[0]):
         x, y = starts[k, 0], starts[k, 1]
-        for r in range(max(0, int(y) - EXACT_CELLS), min(rows, int(y) + EXACT_CELLS + 1)):
-            for c in range(max(0, int(x) - EXACT_CELLS), min(columns, int(x) + EXACT_CELLS + 1)):
+        r0, c0 = max(0, int(y) - EXACT_CELLS), max(0, int(x) - EXACT_CELLS)
+        r1, c1 = min(rows, int(y) + EXACT_CELLS + 1), min(columns, int(x) + EXACT_CELLS + 1)
+        # blocked[i, j] counts the cells of the first i rows and j columns that are not free. What
+        # lies between a source and a cell is in sight of it if it is free all over.
+        for r in range(r0, r1):
+            before = 0
+            for c in range(c0, c1):
+                before += not free[r, c]
+                blocked[r + 1 - r0, c + 1 - c0] = blocked[r - r0, c + 1 - c0] + before
+        for r in range(r0, r1):
+            low, high = min(r, int(y)) - r0, max(r, int(y)) - r0 + 1
+            for c in range(c0, c1):
                 straight = np.hypot(c + 0.5 - x, r + 0.5 - y)
                 u = (r + 2) * march.width + c + 2
-                if straight < keys[places[u]] and in_sight(free, x, y, c, r):
-                    march.state[u] = EXACT
-                    held = push(cells, keys, places, held, straight, u)
+                if straight < keys[places[u]]:
+                    left, right = min(c, int(x)) - c0, max(c, int(x)) - c0 + 1
+                    walls = blocked[high, right] - blocked[low, right]
+                    walls += blocked[low, left] - blocked[high, left]
+                    if walls == 0 or in_sight(free, x, y, c, r):
+                        march.state[u] = EXACT
+                        held = push(cells, keys, places, held, straight, u)
     return held
 
 

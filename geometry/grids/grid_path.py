@@ -77,8 +77,10 @@ def straightened(field: DistanceField, descent: IntArray) -> FloatArray:
     centres = descent[::-1, ::-1] + 0.5
     source = _source_of(field.passable, centres[0], field.starts)
     line = np.vstack([field.starts[source], centres])
-    onward, back = _pull(field.passable, line, True), _pull(field.passable, line, False)
-    turns = line[back] if _length(line[back]) < _length(line[onward]) else line[onward]
+    turns = line[_pull(field.passable, line, True)]
+    if len(turns) > 2:
+        other = line[_pull(field.passable, line, False)]
+        turns = other if _length(other) < _length(turns) else turns
     path: FloatArray = turns * field.cell_m + (field.x0, field.y0)
     return path
 

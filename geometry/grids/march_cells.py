@@ -3,13 +3,21 @@
 from __future__ import annotations
 
 import math
+from typing import Final
 
 import numpy as np
 
-from multisrt.geometry.grids.fast_march import ACCEPTED, ASKED, RIM, March, advance
+from multisrt.geometry.grids.fast_march import ACCEPTED, ASKED, EXACT_CELLS, RIM, March, advance
 from multisrt.geometry.grids.raster import Corners
 from multisrt.geometry.numerics.arrays import BoolArray, FloatArray, Int32Array, IntArray
 from multisrt.geometry.numerics.kernel import inlined_kernel, kernel
+
+
+MARGIN_CELLS: Final = 8
+"""Distance in rows and columns that a window adds to the room for paths."""
+
+DETOUR: Final = 1.25
+"""Windows have room for paths that are longer than the straight lines by this factor."""
 
 
 @kernel
@@ -133,35 +141,45 @@ def first_outside(cells: IntArray, rows: int, columns: int) -> int:
 
 
 @kernel
-def straight_way(cells: IntArray, passable: BoolArray, starts: FloatArray, farthest: bool) -> float:
-    """Return how far the nearest or farthest of some passable cells is as the crow flies.
+def window_around(
+    cells: IntArray, passable: BoolArray, starts: FloatArray, farthest: bool
+) -> Corners:
+    """Return a window around the sources that has room for paths to some cells.
 
     Parameters
     ----------
     cells : (n, 2) array
-        Rows and columns.
+        Rows and columns; those that are not passable are ignored.
     passable : (rows, columns) array of bool
         The grid.
     starts : (k, 2) array
         Sources x, y in widths of a cell from the grid's corner; the nearest one counts.
     farthest : bool
-        Whether the farthest cell is meant.
+        Whether there is room for paths to all of the cells or to the nearest one, unless they are
+        longer than the straight lines by a factor above `DETOUR`.
 
     Returns
     -------
-    float
-        Distance in widths of a cell; 0 if no cell is passable.
+    (r0, r1, c0, c1)
+        Rows r0 to r1 - 1 and columns c0 to c1 - 1 of the grid.
     """
-    result, found = 0.0, False
+    reach, found = 0.0, False
     for i in range(cells.shape[0]):
         if passable[cells[i, 0], cells[i, 1]]:
             away = np.inf
             for k in range(starts.shape[0]):
                 x, y = cells[i, 1] + 0.5 - starts[k, 0], cells[i, 0] + 0.5 - starts[k, 1]
                 away = min(away, math.hypot(x, y))
-            if not found or (away > result if farthest else away < result):
-                result, found = away, True
-    return result
+            if not found or (away > reach if farthest else away < reach):
+                reach, found = away, True
+    more = max(EXACT_CELLS, int(math.ceil(DETOUR * reach))) + MARGIN_CELLS
+    rows, columns = passable.shape
+    r0, r1, c0, c1 = rows, 0, columns, 0
+    for k in range(starts.shape[0]):
+        row, column = int(starts[k, 1]), int(starts[k, 0])
+        r0, r1 = min(r0, row - more), max(r1, row + more + 1)
+        c0, c1 = min(c0, column - more), max(c1, column + more + 1)
+    return max(0, r0), min(rows, r1), max(0, c0), min(columns, c1)
 
 
 @kernel

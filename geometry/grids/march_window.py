@@ -3,30 +3,23 @@
 from __future__ import annotations
 
 import math
-from typing import Final, TypeVar
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from multisrt.geometry.grids.fast_march import BLOCKED, EXACT_CELLS, March, advance, seed, take_back
+from multisrt.geometry.grids.fast_march import BLOCKED, March, advance, seed, take_back
 from multisrt.geometry.grids.march_cells import (
     first_accepted,
     lay_out,
     march_to,
     move,
     numbers_of,
-    straight_way,
     values_of,
+    window_around,
 )
 from multisrt.geometry.grids.raster import Corners
 from multisrt.geometry.numerics.arrays import BoolArray, FloatArray, Int32Array, IntArray
-
-MARGIN_CELLS: Final = 8
-"""Least distance in rows and columns from the cells around the sources, or the first that is asked
-for, to the rim of the window."""
-
-DETOUR: Final = 1.25
-"""Windows have room for paths that are longer than the straight lines by this factor."""
 
 Number = TypeVar("Number", np.uint8, np.int32, np.float64)
 
@@ -73,7 +66,7 @@ class MarchWindow:
     ) -> None:
         self.passable = passable
         self._starts = starts
-        self.window = self._around(cells, farthest)
+        self.window: Corners = window_around(cells, passable, starts, farthest)
         r0, r1, c0, c1 = self.window
         part = np.ascontiguousarray(passable[r0:r1, c0:c1])
         self.arrays = _new_arrays(part, self.window, passable.shape)
@@ -170,25 +163,14 @@ class MarchWindow:
             self._seed_values,
         )
 
-    def _around(self, cells: IntArray, farthest: bool) -> Corners:
-        # The window that has room for paths to some cells unless they lead a long way round.
-        reach = DETOUR * straight_way(cells, self.passable, self._starts, farthest)
-        more = max(EXACT_CELLS, math.ceil(reach)) + MARGIN_CELLS
-        columns, rows = self._starts.astype(np.int64).T
-        shape = self.passable.shape
-        return (
-            max(0, int(rows.min()) - more),
-            min(shape[0], int(rows.max()) + more + 1),
-            max(0, int(columns.min()) - more),
-            min(shape[1], int(columns.max()) + more + 1),
-        )
-
     def _widen(self, cells: IntArray, farthest: bool) -> None:
         # To all sides at once: memory costs less than moving into it.
         r0, r1, c0, c1 = self.window
         more = max(r1 - r0, c1 - c0) // 2 + 1
         rows, columns = self.passable.shape
-        low, high, left, right = self._around(cells, farthest)
+        low, high, left, right = window_around(
+            cells, self.passable, self._starts, farthest
+        )
         self._look_at(
             (
                 min(low, max(0, r0 - more)),

@@ -1,20 +1,24 @@
 """Kernels between the cells of a grid and a march on a window of it."""
 
+import math
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from multisrt.geometry.grids.fast_march import ACCEPTED, FREE, RIM, March
+from multisrt.geometry.grids.fast_march import ACCEPTED, EXACT_CELLS, FREE, RIM, March
 from multisrt.geometry.grids.march_cells import (
+    DETOUR,
+    MARGIN_CELLS,
     first_accepted,
     first_outside,
     lay_out,
     march_to,
     move,
     numbers_of,
-    straight_way,
     values_of,
+    window_around,
 )
 
 
@@ -79,16 +83,24 @@ def test_the_first_cell_outside_of_the_grid_is_found(cell):
     assert first_outside(cells[:2], 3, 4) == -1
 
 
-def test_the_straight_way_leads_to_the_nearest_source():
-    passable = np.ones((1, 20), np.bool_)
-    starts = np.array([(2.5, 0.5), (12.5, 0.5)])
-    cells = np.array([(0, 7), (0, 15), (0, 13)])
-    assert straight_way(cells, passable, starts, False) == 1.0
-    assert straight_way(cells, passable, starts, True) == 5.0
-    passable[0, [7, 13]] = False
-    assert straight_way(cells, passable, starts, False) == 3.0
+def test_a_window_has_room_for_the_way_to_the_nearest_or_the_farthest_cell():
+    passable = np.ones((1, 200), np.bool_)
+    starts = np.array([(50.5, 0.5), (100.5, 0.5)])
+    cells = np.array([(0, 70), (0, 150), (0, 52)])
+    least = EXACT_CELLS + MARGIN_CELLS
+
+    def columns(farthest):
+        r0, r1, c0, c1 = window_around(cells, passable, starts, farthest)
+        assert (r0, r1) == (0, 1)
+        return c0, c1 - 1
+
+    assert columns(False) == (50 - least, 100 + least)
+    assert columns(True) == (0, 100 + math.ceil(50 * DETOUR) + MARGIN_CELLS)
+    passable[0, [150, 52]] = False
+    reach = math.ceil(20 * DETOUR) + MARGIN_CELLS
+    assert columns(False) == columns(True) == (50 - reach, 100 + reach)
     passable[:] = False
-    assert straight_way(cells, passable, starts, True) == 0.0
+    assert columns(True) == (50 - least, 100 + least)
 
 
 def test_asked_cells_are_counted_once_and_forgotten():

@@ -12,7 +12,6 @@ from multisrt.geometry.grids.raster import Corners
 from multisrt.geometry.numerics.arrays import BoolArray, FloatArray, Int32Array, IntArray
 from multisrt.geometry.numerics.kernel import inlined_kernel, kernel
 
-
 MARGIN_CELLS: Final = 8
 """Distance in rows and columns that a window adds to the room for paths."""
 
@@ -172,7 +171,7 @@ def window_around(
                 away = min(away, math.hypot(x, y))
             if not found or (away > reach if farthest else away < reach):
                 reach, found = away, True
-    more = max(EXACT_CELLS, int(math.ceil(DETOUR * reach))) + MARGIN_CELLS
+    more = max(EXACT_CELLS, math.ceil(DETOUR * reach)) + MARGIN_CELLS
     rows, columns = passable.shape
     r0, r1, c0, c1 = rows, 0, columns, 0
     for k in range(starts.shape[0]):

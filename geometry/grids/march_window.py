@@ -168,9 +168,7 @@ class MarchWindow:
         r0, r1, c0, c1 = self.window
         more = max(r1 - r0, c1 - c0) // 2 + 1
         rows, columns = self.passable.shape
-        low, high, left, right = window_around(
-            cells, self.passable, self._starts, farthest
-        )
+        low, high, left, right = window_around(cells, self.passable, self._starts, farthest)
         self._look_at(
             (
                 min(low, max(0, r0 - more)),

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.grids.march_cells import first_outside
 from multisrt.geometry.grids.occupancy.change_log import ChangeLog
 from multisrt.geometry.grids.occupancy.frontier_groups import FrontierGroup, FrontierGroups
 from multisrt.geometry.grids.occupancy.layers import (
@@ -21,12 +22,11 @@ from multisrt.geometry.grids.occupancy.layers import (
 )
 from multisrt.geometry.grids.occupancy.painting import paint_region
 from multisrt.geometry.grids.occupancy.passability import (
-    indices_at,
     block_discs,
     frontier_is_within,
+    indices_at,
     nearest_passable,
 )
-from multisrt.geometry.grids.march_cells import first_outside
 from multisrt.geometry.grids.raster import (
     OFFSET_X,
     OFFSET_Y,

@@ -39,6 +39,14 @@ from multisrt.recording import Recording
 MAX_ACCOUNTS: Final = 16
 """Upper bound of the team size up to which the legend has figures of each robot."""
 
+IN_COLOURS_OF_ROBOTS: Final = frozenset(
+    {
+        *("areas", "outlines", "paths", "support", "bridges", "edges", "nodes", "goals"),
+        *("starts", "ends"),
+    }
+)
+"""Layers that are drawn in the colours of the robots."""
+
 OUTCOMES: Final = {"complete": "complete", "stalled": "stalled", "out_of_time": "out of time"}
 
 
@@ -120,7 +128,7 @@ def legend(
             "paths",
             "path off the tree",
             styles.team_path if team else styles.path,
-            any(t.is_off_tree for t in traces),
+            any(t.off_tree for t in traces),
         ),
         ("frontier", "open frontier", FRONTIER, any(t.frontier for t in traces)),
         *(
@@ -138,7 +146,8 @@ def _regions_legend(
 ) -> list[LegendEntry]:
     if team:
         what = "the area that a robot saw" if merged else "a local safe region"
-        style = styles.outline.scaled(2.0)
+        # Thin and pale as on the map, it could not be seen.
+        style = replace(styles.outline.scaled(3.0), stroke_opacity=0.8)
         return (
             [] if "outlines" in absent else [LegendEntry(label=f"outline of {what}", style=style)]
         )
@@ -179,7 +188,7 @@ def paths_legend(
     for layer, label, style, is_there in (
         ("paths", "path", styles.edge, any(t.motions for t in traces)),
         ("isolation", "path of an isolated robot", CUT_OFF, "isolation" in there),
-        ("frontier", "frontier of this area", FRONTIER_CELLS, "frontier" in there),
+        ("frontier", "open frontier", FRONTIER_CELLS, "frontier" in there),
     ):
         if is_there and layer not in absent:
             entries.append(LegendEntry(label=label, style=style))
@@ -228,7 +237,12 @@ def marks_legend(
 
 
 def swatches(traces: list[Trace], absent: frozenset[str] = frozenset()) -> list[Swatch]:
-    """Return the colours of the robots, in a small team with nodes and path lengths."""
+    """Return the colours of the robots, in a small team with nodes and path lengths.
+
+    There are none if all layers in these colours are left out.
+    """
+    if absent >= IN_COLOURS_OF_ROBOTS:
+        return []
     found = [_swatch(trace, len(traces), _unit(traces)) for trace in traces]
     return [replace(one, area=FREE) for one in found] if "areas" in absent else found
 
@@ -238,8 +252,12 @@ def swatches_heading(traces: list[Trace], absent: frozenset[str] = frozenset()) 
     scans = _unit(traces) == "scan"
     unit = _unit(traces, in_full=True)
     account = f": {unit}s, path length" if len(traces) <= MAX_ACCOUNTS else ""
-    area = "" if "areas" in absent else "area seen first and "
-    return f"{area}{'path' if scans else 'tree'} of each robot{account}"
+    lines = {"paths"} if scans else {"edges", "nodes"}
+    parts = [
+        *([] if "areas" in absent else ["area seen first"]),
+        *([] if absent >= lines else ["path" if scans else "tree"]),
+    ]
+    return f"{' and '.join(parts) or 'colour'} of each robot{account}"
 
 
 def _swatch(trace: Trace, robots: int, unit: str) -> Swatch:

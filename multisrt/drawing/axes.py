@@ -17,6 +17,7 @@ import shapely
 from multisrt.drawing.sheet import LegendEntry, Sheet
 from multisrt.drawing.svg import Pen
 from multisrt.extras import extra
+from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.numerics.kernel import FloatArray
 
 if TYPE_CHECKING:
@@ -57,11 +58,12 @@ def on_axes(sheet: Sheet, ax: Axes | None, scale: float | None = None) -> Axes:
 
     Raises
     ------
+    InvalidInputError
+        If `ax` is something else.
     MissingExtraError
         If matplotlib is not installed.
     """
-    with extra("plots", "a plot"):
-        import matplotlib  # noqa: F401
+    _require_axes(ax)
     if ax is None:
         ax = _with_legend(sheet)
     ax.set_aspect("equal")
@@ -80,15 +82,33 @@ def plot_steps(
     **line: Any,
 ) -> Axes:
     """Draw shares that hold from a time until the next as a line of steps; see `on_axes`."""
-    with extra("plots", "a plot"):
-        import matplotlib.pyplot as plt
+    _require_axes(ax)
     if ax is None:
+        import matplotlib.pyplot as plt
+
         _, ax = plt.subplots(layout="constrained")
-        ax.set_xlabel("time (s)")
-        ax.set_ylabel("covered share of the explorable area")
-        ax.set_ylim(0.0, 1.02)
     ax.step(times_s, shares, where="post", **line)
+    if ax.get_autoscaley_on():
+        ax.set_ylim(0.0, 1.02)
+    label_axes(ax, "time (s)", "covered share of the explorable area")
     return ax
+
+
+def _require_axes(ax: object) -> None:
+    with extra("plots", "a plot"):
+        from matplotlib.axes import Axes
+    if not isinstance(ax, Axes | None):
+        raise InvalidInputError(
+            f"plots are drawn on axes of matplotlib, such as those of plt.subplots(), not {ax!r}"
+        )
+
+
+def label_axes(ax: Axes, x: str, y: str) -> None:
+    """Set the labels of axes that have none."""
+    if not ax.get_xlabel():
+        ax.set_xlabel(x)
+    if not ax.get_ylabel():
+        ax.set_ylabel(y)
 
 
 def _with_legend(sheet: Sheet) -> Axes:

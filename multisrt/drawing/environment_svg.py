@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from multisrt.drawing.axes import on_axes
+from multisrt.drawing.axes import label_axes, on_axes
 from multisrt.drawing.colours import SUGGESTED_START
 from multisrt.drawing.sheet import LegendEntry, Sheet
 from multisrt.drawing.svg import child, length
@@ -102,4 +102,6 @@ def save_environment_svg(environment: Environment, path: str | Path) -> None:
 
 def plot_environment(environment: Environment, ax: Axes | None = None) -> Axes:
     """Draw a world on axes of matplotlib; see `Environment.plot`."""
-    return on_axes(environment_sheet(environment), ax)
+    drawn = on_axes(environment_sheet(environment), ax)
+    label_axes(drawn, "x (m)", "y (m)")
+    return drawn

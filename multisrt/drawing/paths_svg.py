@@ -71,7 +71,7 @@ def draw_paths(
 def _draw_path(sheet: Sheet, trace: Trace) -> None:
     layer = sheet.layer(f"robot {trace.robot}: path", RobotStyles.of(trace.robot).edge)
     if trace.motions:
-        child(layer, "path", d=sheet.pen.line(trace.path))
+        child(layer, "path", d="".join(map(sheet.pen.line, trace.stretches)))
 
 
 def _draw_goals(sheet: Sheet, robot: int, goals: list[Point]) -> None:

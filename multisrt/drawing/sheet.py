@@ -235,6 +235,8 @@ class Sheet:
         self._root.set("width", f"{plain(width)}mm")
         self._root.set("height", f"{plain(height)}mm")
         self._root.set("viewBox", f"0 0 {in_metres['width']} {in_metres['height']}")
+        # In a browser's window that is narrower than the paper, the whole sheet is shown.
+        self._root.set("style", "max-width:100%;height:auto")
         ET.indent(self._root, " ")
         body = ET.tostring(self._root, encoding="unicode")
         return f'<?xml version="1.0" encoding="UTF-8"?>\n{body}\n'

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Final
@@ -66,8 +66,8 @@ class Trace:
         Its paths to, along and back from the trees of other robots.
     bridges : list of (n, 2) array
         Its paths between nodes that no edge joins, each once.
-    is_off_tree : bool
-        Whether it also left the edges and bridges.
+    off_tree : list of (n, 2) array
+        Its other paths, off the edges and bridges, each once.
     scans : bool
         Whether it is a robot of frontier bidding: its nodes are scans without edges, and its
         paths are not classified.
@@ -86,7 +86,7 @@ class Trace:
     frontier: tuple[Segment, ...] = ()
     supporting: list[FloatArray] = field(default_factory=list)
     bridges: list[FloatArray] = field(default_factory=list)
-    is_off_tree: bool = False
+    off_tree: list[FloatArray] = field(default_factory=list)
     scans: bool = False
 
     @property
@@ -107,6 +107,15 @@ class Trace:
         points = [(self.start.x, self.start.y)]
         points += [point for motion in self.motions for point in _points(motion.waypoints)]
         return np.asarray(points)
+
+    @property
+    def stretches(self) -> list[FloatArray]:
+        """Its path in lines that lead over each leg once, however often it was driven.
+
+        Dashes of a path that leads back over itself would fill each other's gaps.
+        """
+        legs = (np.stack(leg) for leg in pairwise(self.path))
+        return _each_once(legs)
 
     @property
     def distance_m(self) -> float:
@@ -219,6 +228,7 @@ def _sort_paths(traces: list[Trace]) -> None:
     }
     for trace in traces:
         bridges: dict[frozenset[Point], FloatArray] = {}
+        off_tree: list[FloatArray] = []
         for points in (p for motion in trace.motions for p in _sections(motion, places)):
             ends = frozenset((_rounded(points[0]), _rounded(points[-1])))
             if ends in edges and len(points) == 2:
@@ -226,24 +236,38 @@ def _sort_paths(traces: list[Trace]) -> None:
             if len(ends) == 2 and ends <= places and ends not in edges:
                 bridges.setdefault(ends, points)
             else:
-                trace.is_off_tree = True
+                off_tree.append(points)
         trace.bridges = list(bridges.values())
+        trace.off_tree = _each_once(off_tree)
         trace.supporting = _supporting(trace.motions, places)
 
 
 def _supporting(motions: list[Motion], places: set[Point]) -> list[FloatArray]:
+    return _each_once(
+        points
+        for motion in motions
+        if motion.purpose in SUPPORTING
+        for points in _sections(motion, places)
+    )
+
+
+def _each_once(paths: Iterable[FloatArray]) -> list[FloatArray]:
     # Each path once, also if it was driven several times or in both directions.
     known: set[tuple[Point, ...]] = set()
-    lines: list[FloatArray] = []
-    for motion in motions:
-        if motion.purpose not in SUPPORTING:
+    lines: list[list[FloatArray]] = []
+    end = None
+    for points in paths:
+        rounded = tuple(map(_rounded, points))
+        if rounded in known or rounded[::-1] in known:
             continue
-        for points in _sections(motion, places):
-            rounded = tuple(map(_rounded, points))
-            if rounded not in known and rounded[::-1] not in known:
-                known.add(rounded)
-                _extend(lines, points)
-    return lines
+        known.add(rounded)
+        # Dashes continue where one path begins at the end of another.
+        if rounded[0] == end:
+            lines[-1].append(points[1:])
+        else:
+            lines.append([points])
+        end = rounded[-1]
+    return [np.vstack(parts) for parts in lines]
 
 
 def _sections(motion: Motion, places: set[Point]) -> Iterator[FloatArray]:
@@ -264,14 +288,6 @@ def _points(waypoints: Sequence[Sequence[float]]) -> list[Point]:
     for leg in pairwise(waypoints):
         points += [point for point in leg_points(*leg)[1:] if point != points[-1]]
     return points
-
-
-def _extend(lines: list[FloatArray], points: FloatArray) -> None:
-    # Dashes continue where one path begins at the end of another.
-    if lines and _rounded(lines[-1][-1]) == _rounded(points[0]):
-        lines[-1] = np.vstack([lines[-1], points[1:]])
-    else:
-        lines.append(points)
 
 
 def _rounded(place: Sequence[float]) -> Point:

@@ -13,7 +13,7 @@ import shapely
 
 from multisrt.drawing.account import description, heading, legend, swatches, swatches_heading
 from multisrt.drawing.areas import seen_first
-from multisrt.drawing.axes import on_axes
+from multisrt.drawing.axes import label_axes, on_axes
 from multisrt.drawing.colours import (
     CLOSED,
     FRONTIER,
@@ -167,7 +167,9 @@ def save_tree_svg(recording: Recording, path: str | Path, *, without: Iterable[s
 
 def plot_run(recording: Recording, ax: Axes | None = None, *, without: Iterable[str] = ()) -> Axes:
     """Draw the picture of a run on axes of matplotlib; see `multisrt.Run.plot`."""
-    return on_axes(run_sheet(recording, without=without), ax)
+    drawn = on_axes(run_sheet(recording, without=without), ax)
+    label_axes(drawn, "x (m)", "y (m)")
+    return drawn
 
 
 def _draw_trees(
@@ -239,8 +241,8 @@ def _region(node: NodeAdded, mm: float) -> shapely.Polygon:
 def _draw_path(sheet: Sheet, trace: Trace, team: bool) -> None:
     styles = RobotStyles.of(trace.robot)
     layer = sheet.layer(f"robot {trace.robot}: path", styles.team_path if team else styles.path)
-    if trace.motions:
-        child(layer, "path", d=sheet.pen.line(trace.path))
+    if trace.off_tree:
+        child(layer, "path", d="".join(map(sheet.pen.line, trace.off_tree)))
 
 
 def _draw_supporting(sheet: Sheet, trace: Trace) -> None:

@@ -92,6 +92,8 @@ def _repetitions(seeds: object) -> dict[str, int]:
     if isinstance(seeds, bool):
         raise InvalidInputError(f"seeds are a number of repetitions, or a range, not {seeds}")
     if isinstance(seeds, Integral):
+        if seeds < 1:
+            raise InvalidInputError(f"seeds are a number of repetitions from 1 on, not {seeds}")
         return {"repetitions": int(seeds)}
     if not isinstance(seeds, Iterable) or isinstance(seeds, str):
         raise InvalidInputError(f"seeds are a number of repetitions, or a range, not {seeds!r}")

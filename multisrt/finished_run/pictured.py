@@ -24,8 +24,8 @@ class PicturedRun(MeasuredRun):
         Parameters
         ----------
         ax : matplotlib.axes.Axes, optional
-            Where to draw; their aspect becomes equal. By default a new figure of pyplot, with
-            title and legend.
+            Where to draw; their aspect becomes equal, and labels that they have already are kept.
+            By default a new figure of pyplot, with title and legend.
         without : iterable of str, optional
             Layers to leave out; see `save_svg`.
 
@@ -57,8 +57,8 @@ class PicturedRun(MeasuredRun):
         Parameters
         ----------
         ax : matplotlib.axes.Axes, optional
-            Where to draw, so that several runs can be compared. By default a new figure of
-            pyplot, with labels of the axes.
+            Where to draw, so that several runs can be compared; by default a new figure of
+            pyplot. Labels and limits that the axes have already are kept.
         **line
             Properties of the line, such as `color`; its label is the strategy by default.
 

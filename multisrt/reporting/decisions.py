@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from multisrt.analysis.decision_counts import decision_rows
+from multisrt.explain.terms import meanings
 from multisrt.recording import Recording
 from multisrt.reporting.layout import Cell, Table
 
@@ -38,6 +39,7 @@ def decision_table(recordings: Sequence[Recording], robots: Sequence[int] | None
     Strategy,Decision,Reason,Robot 0,Robot 1,All,Share
     """
     rows = decision_rows(recordings, robots)
+    shown = {name for row in rows for name in (row.choice, row.reason)}
     team = range(len(rows[0].counts)) if robots is None else robots
     return Table(
         name="decisions",
@@ -57,6 +59,7 @@ def decision_table(recordings: Sequence[Recording], robots: Sequence[int] | None
             for row in rows
         ),
         labels=3,
+        notes=tuple(f"{name}: {meaning}." for name, meaning in meanings().items() if name in shown),
     )
 
 

@@ -254,7 +254,8 @@ def _with_count(study: Study, measure: Measure, setting: Condition, strategy: st
 
 
 def _curves(study: Study, setting: Condition, strategy: str) -> list[StepCurve]:
-    # The time at which each percent was covered; runs that were not measured have no curve.
+    # The time at which each percent was covered; runs that were not measured have no curve. What
+    # was covered beyond the last whole percent is known to be covered when the run ends.
     curves: list[StepCurve] = []
     for result in study.distinct(setting, strategy):
         steps = [
@@ -262,6 +263,9 @@ def _curves(study: Study, setting: Condition, strategy: str) -> list[StepCurve]:
             for percent, time in enumerate(result.covered_at_s)
             if time is not None
         ]
+        if steps and result.metrics is not None and result.metrics.coverage > steps[-1][1]:
+            ended_s = max(steps[-1][0], result.metrics.makespan_s)
+            steps.append((ended_s, result.metrics.coverage))
         if steps:
             curves.append(([time for time, _ in steps], [share for _, share in steps]))
     return curves

@@ -121,7 +121,7 @@ def measure_table(study: Study, measure: Measure) -> Table:
         rows.append((*labels(study, setting), *cells))
     notes = [
         "Median of all runs, and in brackets the interquartile mean with its "
-        f"95 % interval (stratified bootstrap). "
+        f"95 % interval (stratified bootstrap); it is left out where it equals the median. "
         f"{'Lower' if measure.lower_is_better else 'Higher'} is better."
     ]
     sizes = [
@@ -385,7 +385,10 @@ def _summary_cell(
         data |= {"mark": compared.mark, "A": compared.better_share}
         data |= {} if compared.p_value is None else {"p": compared.p_value}
     # One run has no interval.
-    detail = f"[{value}: {low} to {high}]" if found.distinct > 1 else ""
+    detail = ""
+    if found.distinct > 1:
+        same = value == number(found.median, measure.digits)
+        detail = f"[{low} to {high}]" if same else f"[{value}: {low} to {high}]"
     if study.is_constant(setting, strategy):
         detail = "(1 run)"
     return Cell(

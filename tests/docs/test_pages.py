@@ -22,6 +22,7 @@ import multisrt as ms
 from multisrt import comparison, run
 from multisrt.cli import cli
 from multisrt.experiments.from_keywords import from_keywords
+from multisrt.recording import FORMAT, VERSION
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
@@ -288,3 +289,9 @@ def test_every_picture_is_shown_in_a_page():
     text = "".join(page.read_text() for page in PAGES)
     for picture in (DOCS / "pictures").rglob("*.svg"):
         assert picture.name in text, picture
+
+
+def test_the_page_of_the_format_is_of_the_version_that_is_written():
+    title, _, text = (DOCS / "recording.md").read_text().partition("\n")
+    assert title == f"# The recording format, version {VERSION}"
+    assert f"| `format`, `format_version` | `{FORMAT}`, {VERSION} |" in text

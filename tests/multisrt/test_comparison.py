@@ -178,7 +178,6 @@ def test_own_environments(asked, tmp_path):
 @pytest.mark.parametrize(
     ("said", "told"),
     [
-        ({"seeds": 0}, "repetitions: Expected a whole number >= 1"),
         ({"seeds": range(0)}, "seeds are consecutive numbers"),
         ({"seeds": range(0, 9, 2)}, "seeds are consecutive numbers, as in range(100, 120)"),
         ({"seeds": [1, 3]}, "seeds are consecutive numbers, as in range(100, 120), not [1, 3]"),
@@ -186,6 +185,7 @@ def test_own_environments(asked, tmp_path):
         ({"seeds": 1.5}, "seeds are a number of repetitions, or a range, not 1.5"),
         ({"environments": None}, "name the environments to compare in"),
         ({"seeds": True}, "seeds are a number of repetitions"),
+        ({"seeds": 0}, "seeds are a number of repetitions from 1 on, not 0"),
         ({"robots": [0]}, "robots[0]: Expected a whole number >= 1"),
         ({"robots": []}, "robots: Expected a list of length >= 1"),
         (

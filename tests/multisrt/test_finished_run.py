@@ -53,7 +53,17 @@ def test_curves_of_several_runs_share_axes(run):
     assert [line.get_label() for line in ax.lines] == ["srt-radial", "again"]
     times, shares = map(np.asarray, ax.lines[0].get_data())
     assert (times[0], shares[-1]) == (0.0, run.metrics.coverage)
-    assert ax.get_xlabel() == ""
+    assert (ax.get_xlabel(), ax.get_ylim()) == ("time (s)", (0.0, 1.02))
+
+
+def test_labels_and_limits_of_given_axes_are_kept(run):
+    ax = Figure().add_subplot(xlabel="t / s", ylim=(0.5, 1.0))
+    run.plot_coverage(ax)
+    assert (ax.get_xlabel(), ax.get_ylim()) == ("t / s", (0.5, 1.0))
+    assert ax.get_ylabel() == "covered share of the explorable area"
+    ax = Figure().add_subplot(ylabel="north (m)")
+    run.plot(ax)
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("x (m)", "north (m)")
 
 
 def test_a_run_is_the_same_with_and_without_progress(run, monkeypatch, capsys):

@@ -97,7 +97,8 @@ def title_texts(scene: Scene) -> tuple[str, str]:
     Returns
     -------
     (str, str)
-        The title, which an ellipsis may end; the speed in words, empty where there is no room.
+        The title, without details for which there is no room; an ellipsis may end it. The speed in
+        words, empty where there is no room.
     """
     layout = scene.layout
     room = layout.map[2] - TITLE_GAP * layout.title_px
@@ -107,6 +108,9 @@ def title_texts(scene: Scene) -> tuple[str, str]:
         speed, left = "", room
     title = shortened(scene.title)
     letters = int(left / text_width("n", layout.title_px))
+    # Whole details are left out first, the last ones before others.
+    while len(title) > letters and ", " in title:
+        title = title.rpartition(", ")[0]
     return title if len(title) <= letters else f"{title[: max(1, letters - 1)]}…", speed
 
 

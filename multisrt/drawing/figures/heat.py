@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Final
 
@@ -26,8 +27,8 @@ COUNT_LABELS: Final[dict[VisitCount, str]] = {
 }
 """Labels of the colour bar, by what is counted."""
 
-ISOLATED: Final = "time in isolation (s per cell)"
-"""Label of the colour bar of times."""
+ISOLATED: Final = "time in isolation (s/m²)"
+"""Label of the colour bar of times, which do not depend on the width of cells."""
 
 COLOURS: Final = "viridis_r"
 """Colours from light to dark, so that they are ordered in grey as well."""
@@ -68,7 +69,12 @@ def visits_figure(
 
 def isolation_figure(recordings: Sequence[Recording], style: FigureStyle) -> Figure:
     """Return heat maps of where robots were isolated, of runs of one world."""
-    return _figure(recordings, style, isolated_times, ISOLATED, "never isolated", False)
+    return _figure(recordings, style, _per_area, ISOLATED, "never isolated", False)
+
+
+def _per_area(recording: Recording) -> HeatMap:
+    found = isolated_times(recording)
+    return replace(found, values=found.values / found.cell_m**2)
 
 
 def _figure(
@@ -87,15 +93,12 @@ def _figure(
     image = None
     for number, (recording, own, ax) in enumerate(zip(recordings, found, axes, strict=False)):
         image = draw_heat(ax, own, recording, width_mm(ax, columns) * 0.9, norm)
+        parts = [] if own.values.any() else [nothing]
         if len(recordings) > 1:
-            text = f"{panel_letter(number)} {label_of_run(recording, recordings)}"
-            ax.set_title(text, loc="left")
+            parts.insert(0, f"{panel_letter(number)} {label_of_run(recording, recordings)}")
+        ax.set_title(": ".join(parts), loc="left")
     for ax in axes[len(recordings) :]:
         ax.set_visible(False)
-    box = {"facecolor": "white", "edgecolor": "none"}
-    for own, ax in zip(found, axes, strict=False):
-        if not own.values.any():
-            ax.text(0.5, 0.5, nothing, transform=ax.transAxes, ha="center", bbox=box)
     if norm is not None:
         shown = [ax for ax in axes if ax.get_visible()]
         _bar(figure, image, shown, label)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, Protocol
 
 from multisrt.analysis.heat_maps import VisitCount
 from multisrt.drawing.figures.activity import activity_figure
@@ -22,6 +22,18 @@ from multisrt.spec.numbering import missing
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+
+class HasRecording(Protocol):
+    """A run with its recording, such as `multisrt.Run`."""
+
+    @property
+    def recording(self) -> Recording:
+        """Its recording."""
+
+
+Recorded = Recording | HasRecording
+"""What figures are drawn of."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -147,7 +159,7 @@ def kind_named(name: str) -> FigureKind:
 
 def draw_figure(
     kind: str,
-    recordings: Sequence[Recording] | Recording,
+    recordings: Recorded | Sequence[Recorded],
     *,
     style: str = "screen",
     options: FigureOptions | None = None,
@@ -158,7 +170,7 @@ def draw_figure(
     ----------
     kind : str
         Which figure: a name of `KINDS`.
-    recordings : Recording or sequence of Recording
+    recordings : Recording, Run or sequence of these
         The runs.
     style : {"ieee", "ieee-wide", "springer", "springer-wide", "screen"}, optional
         Width and font of the figure; see `STYLES`.
@@ -173,8 +185,9 @@ def draw_figure(
     Raises
     ------
     InvalidInputError
-        If there is no such kind or style, the kind shows one run only or runs of one world only,
-        it does not depend on an option that is given, or there is no such robot or time.
+        If there is no such kind or style, `recordings` are something else, the kind shows one run
+        only or runs of one world only, it does not depend on an option that is given, or there is
+        no such robot or time.
     MissingExtraError
         If matplotlib is not installed (``multisrt[plots]``).
 
@@ -186,7 +199,7 @@ def draw_figure(
     >>> float(figure.get_figwidth())
     3.5
     """
-    runs = [recordings] if isinstance(recordings, Recording) else list(recordings)
+    runs = recordings_of(recordings)
     given = options or FigureOptions()
     require_fit(kind, runs, given)
     with figure_style(style) as own:
@@ -195,7 +208,7 @@ def draw_figure(
 
 def figure_bytes(
     kind: str,
-    recordings: Sequence[Recording] | Recording,
+    recordings: Recorded | Sequence[Recorded],
     file_format: Format = "svg",
     *,
     style: str = "screen",
@@ -230,7 +243,7 @@ def figure_bytes(
 
 def save_figure(
     kind: str,
-    recordings: Sequence[Recording] | Recording,
+    recordings: Recorded | Sequence[Recorded],
     path: str | Path,
     *,
     style: str = "screen",
@@ -260,6 +273,26 @@ def save_figure(
     drawn = figure_bytes(kind, recordings, format_of(Path(path)), style=style, options=options)
     with atomic_write(Path(path)) as file:
         file.write(drawn)
+
+
+def recordings_of(given: object) -> list[Recording]:
+    """Return the recordings of runs, which may be given as `multisrt.Run` as well.
+
+    Raises
+    ------
+    InvalidInputError
+        If something else is given.
+    """
+    several = given if isinstance(given, Iterable) and not isinstance(given, str) else [given]
+    found = []
+    for one in several:
+        recording = getattr(one, "recording", one)
+        if not isinstance(recording, Recording):
+            raise InvalidInputError(
+                f"figures are drawn of runs or recordings, not of {type(one).__name__} {one!r}"
+            )
+        found.append(recording)
+    return found
 
 
 def format_of(path: Path) -> Format:

@@ -4,14 +4,23 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import shapely
 
 from multisrt.analysis.known_maps import areas_known, known_regions
 from multisrt.analysis.poses import poses
 from multisrt.drawing.colours import RobotStyles
-from multisrt.drawing.figures.style import FigureStyle, fit_maps, legend_below, new_figure
+from multisrt.drawing.figures.style import (
+    MAX_LISTED,
+    MIN_MAP_IN,
+    FigureStyle,
+    fit_maps,
+    legend_below,
+    listed,
+    new_figure,
+    too_small,
+)
 from multisrt.drawing.figures.world import draw_area, draw_world, width_mm, world_handles
 from multisrt.environments.environment import Environment
 from multisrt.geometry.errors import InvalidInputError
@@ -24,8 +33,11 @@ if TYPE_CHECKING:
 FIRST_S = 2.0
 """The first of the default times: after the first exchange of maps, as in the paper."""
 
-MAX_PANELS = 60
-"""Upper bound of the panels of a figure."""
+ENTRIES_IN_A_ROW = 3
+"""About how many entries a row of the legend has, where the number of rows is estimated."""
+
+SMALLER: Final = "robots (--robot), fewer times (--time) or a wider style (--style)"
+"""What makes maps larger."""
 
 
 def default_times(recording: Recording) -> tuple[float, ...]:
@@ -51,7 +63,8 @@ def robot_maps_figure(
     times_s : sequence of float
         Times in seconds, one for each column; by default those of `default_times`.
     robots : sequence of int, optional
-        The robots, one for each row; by default all.
+        The robots, by default all. Each has a row, or a part of one where rows of a single robot
+        would be smaller.
 
     Returns
     -------
@@ -61,7 +74,7 @@ def robot_maps_figure(
     Raises
     ------
     InvalidInputError
-        If a time is not within the run, or there would be too many maps.
+        If a time is not within the run, or maps would be too small.
     """
     times = tuple(times_s) or default_times(recording)
     for time_s in times:
@@ -70,40 +83,80 @@ def robot_maps_figure(
                 f"{time_s:g} s is not within the run, which lasts from 0 to "
                 f"{recording.footer.time_s:.2f} s"
             )
-    rows = list(range(len(recording.starts)) if robots is None else robots)
-    if len(rows) * len(times) > MAX_PANELS:
-        raise InvalidInputError(
-            f"{len(rows)} robots at {len(times)} times are {len(rows) * len(times)} maps; at most "
-            f"{MAX_PANELS} fit a figure: choose robots or fewer times"
-        )
+    team = list(range(len(recording.starts)) if robots is None else robots)
     environment = recording.environment()
+    abreast = robots_abreast(environment, style, len(team), len(times))
     known = known_regions(recording, environment)
     areas = {
         (robot, time_s): own
-        for robot in rows
+        for robot in team
         for time_s, own in zip(
             sorted(times), areas_known(known[robot], sorted(times), environment), strict=True
         )
     }
     at = poses(recording, times)
-    figure, axes = new_figure(style, len(rows), len(times))
-    map_mm = width_mm(axes[0], len(times))
-    for number, ax in enumerate(axes):
-        row, column = divmod(number, len(times))
-        robot, time_s = rows[row], times[column]
-        draw_world(ax, environment, map_mm, scale_bar=number == (len(rows) - 1) * len(times))
+    columns = abreast * len(times)
+    figure, axes = new_figure(style, -(-len(team) // abreast), columns)
+    map_mm = width_mm(axes[0], columns)
+    last_row = (len(team) - 1) // abreast * columns
+    shown = axes[: len(team) * len(times)]
+    for number, ax in enumerate(shown):
+        place, column = divmod(number, len(times))
+        robot, time_s = team[place], times[column]
+        draw_world(ax, environment, map_mm, scale_bar=number == last_row)
         share = draw_robot_map(ax, environment, robot, areas[robot, time_s])
         draw_pose(ax, robot, at[robot, column])
-        time = f"{time_s:,.0f} s: " if row == 0 else ""
+        time = f"{time_s:,.0f} s: " if place < abreast else ""
         ax.set_title(f"{time}{100.0 * share:.0f} %", pad=2.0)
         if column == 0:
             ax.set_ylabel(f"robot {robot}")
-    makers = sorted({region.maker for robot in rows for region in known[robot]})
-    legend_below(figure, [*_makers(makers), *world_handles(unknown="not on the map")], style)
-    width = len(times)
-    grid = [axes[row * width : (row + 1) * width] for row in range(len(rows))]
-    fit_maps(figure, grid, style.max_height_in)
+    for ax in axes[len(shown) :]:
+        ax.set_visible(False)
+    makers = sorted({maker for own in areas.values() for maker in own})
+    makers_listed = listed(_makers(makers))
+    legend_below(figure, [*makers_listed, *world_handles(unknown="not on the map")], style)
+    grid = [shown[first : first + columns] for first in range(0, len(shown), columns)]
+    fit_maps(figure, grid, style.max_height_in, SMALLER)
     return figure
+
+
+def robots_abreast(environment: Environment, style: FigureStyle, robots: int, times: int) -> int:
+    """Return of how many robots maps stand side by side, so that they are as large as can be.
+
+    Parameters
+    ----------
+    environment : Environment
+        The world.
+    style : FigureStyle
+        The style.
+    robots, times : int
+        The numbers of robots and of times.
+
+    Returns
+    -------
+    int
+        The number of robots in a row.
+
+    Raises
+    ------
+    InvalidInputError
+        If maps would be too small all the same.
+    """
+    x0, y0, x1, y1 = environment.bounds
+    aspect = (x1 - x0) / (y1 - y0)
+    line_in = 1.6 * style.text_pt / 72.0
+    entries = min(robots, MAX_LISTED) + 2
+    height_in = style.max_height_in - (2 + -(-entries // ENTRIES_IN_A_ROW)) * line_in
+
+    def width_in(abreast: int) -> float:
+        columns, rows = abreast * times, -(-robots // abreast)
+        wide_in = (style.width_in - abreast * line_in) / columns
+        return min(wide_in, aspect * (height_in / rows - line_in))
+
+    best = max(range(1, robots + 1), key=width_in)
+    if max(1.0, 1.0 / aspect) * width_in(best) < MIN_MAP_IN:
+        raise too_small(robots * times, style.width_in, style.max_height_in, SMALLER)
+    return best
 
 
 def draw_robot_map(
@@ -150,8 +203,6 @@ def draw_pose(ax: Axes, robot: int, pose: Sequence[float]) -> None:
 def _makers(makers: Sequence[int]) -> list[Any]:
     from matplotlib.patches import Patch
 
-    if len(makers) > 12:
-        return []
     styles = {maker: RobotStyles.of(maker).area for maker in makers}
     return [
         Patch(label=f"seen by robot {m}", facecolor=s.fill, edgecolor=s.stroke, linewidth=0.4)

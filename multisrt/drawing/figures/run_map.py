@@ -7,17 +7,18 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final
 
 from multisrt.drawing.axes import POINTS_PER_MM, legend_handle, on_axes
-from multisrt.drawing.figures.style import FigureStyle
+from multisrt.drawing.colours import RobotStyles
+from multisrt.drawing.figures.panels import panels
+from multisrt.drawing.figures.style import FigureStyle, listed
 from multisrt.drawing.figures.world import FINER, MIN_LETTERS_PT, frame, sheet_bounds
+from multisrt.drawing.layers import left_out
 from multisrt.drawing.sheet import LegendEntry, Sheet
 from multisrt.drawing.tree_svg import run_sheet
+from multisrt.recording import Recording
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-from multisrt.drawing.figures.panels import panels
-from multisrt.recording import Recording
 
 SHORT: Final = {
     "free space that is on no map": "on no map",
@@ -27,15 +28,18 @@ SHORT: Final = {
 }
 """Labels that are shorter than those of sheets, for narrow columns."""
 
-MAX_SWATCHES: Final = 12
-"""Team size up to which the legend lists the robots, and their numbers are not made smaller."""
+SEEN_FIRST: Final = LegendEntry(label="seen first by a robot", style=RobotStyles.of_any().area)
+"""Entry for the areas of a team."""
+
+MAX_LARGE_NUMBERS: Final = 12
+"""Team size up to which the numbers of robots are not made smaller."""
 
 
 def draw_map(
     recording: Recording, ax: Axes, map_mm: float, without: Iterable[str] = ("outlines",)
 ) -> Sheet:
     """Draw the map of a run on axes for a width on paper, and return its sheet."""
-    is_large = len(recording.starts) > MAX_SWATCHES
+    is_large = len(recording.starts) > MAX_LARGE_NUMBERS
     sheet = run_sheet(
         recording,
         without=without,
@@ -51,17 +55,21 @@ def map_figure(
     recordings: Sequence[Recording], style: FigureStyle, without: Iterable[str] = ("outlines",)
 ) -> Figure:
     """Return a figure with the map of each of some runs of one world; see `draw_map`."""
-    legend: dict[str, Any] = {}
+    robots: dict[str, Any] = {}
+    others: dict[str, Any] = {}
 
     def draw(recording: Recording, ax: Axes, map_mm: float) -> None:
         sheet = draw_map(recording, ax, map_mm, without)
-        team = sheet.swatches if len(sheet.swatches) <= MAX_SWATCHES else []
-        robots = [
-            LegendEntry(label=f"robot {number}", style=swatch.line)
-            for number, swatch in enumerate(team)
-        ]
-        for entry in (*robots, *sheet.legend):
+        for number, swatch in enumerate(sheet.swatches):
+            label = f"robot {number}"
+            if label not in robots:
+                pair = [LegendEntry(label=label, style=one) for one in (swatch.area, swatch.line)]
+                robots[label] = tuple(map(legend_handle, pair))
+        areas = [SEEN_FIRST] if sheet.swatches and "areas" not in left_out(without) else []
+        for entry in (*areas, *sheet.legend):
             label = SHORT.get(entry.label, entry.label)
-            legend.setdefault(label, legend_handle(replace(entry, label=label)))
+            others.setdefault(label, legend_handle(replace(entry, label=label)))
 
-    return panels(recordings, style, draw, lambda: list(legend.values()))
+    return panels(
+        recordings, style, draw, lambda: [*listed(list(robots.values())), *others.values()]
+    )

@@ -31,6 +31,12 @@ FORMATS: Final[tuple[Format, ...]] = ("pdf", "svg", "png")
 
 MM_PER_IN: Final = 25.4
 
+MAX_LISTED: Final = 24
+"""Upper bound of the entries of a legend for robots."""
+
+MIN_MAP_IN: Final = 0.9
+"""Lower bound of the longer side of a map, in inches."""
+
 PNG_DPI: Final = 300
 """Resolution of figures that are written as PNG, in dots per inch."""
 
@@ -265,7 +271,12 @@ def new_figure(style: FigureStyle, rows: int = 1, columns: int = 1) -> tuple[Fig
     return figure, list(axes.ravel())
 
 
-def fit_maps(figure: Figure, rows: Sequence[Sequence[Axes]], max_height_in: float) -> None:
+def fit_maps(
+    figure: Figure,
+    rows: Sequence[Sequence[Axes]],
+    max_height_in: float,
+    remedy: str = "fewer recordings or a wider style (--style)",
+) -> None:
     """Make a figure as high as its maps need, at their full width.
 
     Parameters
@@ -276,16 +287,53 @@ def fit_maps(figure: Figure, rows: Sequence[Sequence[Axes]], max_height_in: floa
         The axes with maps, row by row; their limits are set.
     max_height_in : float
         Upper bound of the height, in inches.
+    remedy : str, optional
+        What an error advises to choose.
+
+    Raises
+    ------
+    InvalidInputError
+        If maps would have sides of less than `MIN_MAP_IN`.
     """
+    is_laid_out = False
     for _ in range(4):
-        figure.draw_without_rendering()
+        is_laid_out = _is_laid_out(figure)
         width_in, height_in = map(float, figure.get_size_inches())
         lacking = sum(max(_lacking_in(ax, width_in, height_in) for ax in row) for row in rows)
         wanted = min(max_height_in, height_in + lacking)
         if abs(wanted - height_in) < 1e-3:
             break
         figure.set_size_inches(width_in, wanted)
+        is_laid_out = _is_laid_out(figure)
+    largest_in = max(_longer_side_in(ax) for row in rows for ax in row)
+    if not is_laid_out or largest_in < MIN_MAP_IN:
+        raise too_small(sum(map(len, rows)), width_in, max_height_in, remedy)
     freeze(figure)
+
+
+def too_small(maps: int, width_in: float, height_in: float, remedy: str) -> InvalidInputError:
+    """Return the error for maps that would not be legible."""
+    return InvalidInputError(
+        f"{maps} maps would be less than {MIN_MAP_IN:g} in wide in a figure of {width_in:.3g} by "
+        f"{height_in:.3g} in: choose {remedy}"
+    )
+
+
+def _is_laid_out(figure: Figure) -> bool:
+    # Whether there is room for the axes: matplotlib warns where there is none.
+    with warnings.catch_warnings():
+        warnings.filterwarnings("error", message="constrained_layout not applied")
+        try:
+            figure.draw_without_rendering()
+        except UserWarning:
+            return False
+    return True
+
+
+def _longer_side_in(ax: Axes) -> float:
+    width_in, height_in = map(float, ax.figure.get_size_inches())  # type: ignore[union-attr]
+    box = ax.get_position()
+    return max(box.width * width_in, box.height * height_in)
 
 
 def _lacking_in(ax: Axes, width_in: float, height_in: float) -> float:
@@ -301,14 +349,48 @@ def freeze(figure: Figure) -> None:
     figure.set_layout_engine("none")
 
 
+def listed(handles: Sequence[Any]) -> list[Any]:
+    """Return entries of a legend for robots, of which "and N more" stands for those beyond a limit.
+
+    Parameters
+    ----------
+    handles : sequence of artist or tuple of artists
+        An entry for each robot; see `legend_below`.
+
+    Returns
+    -------
+    list of artist or tuple of artists
+        At most `MAX_LISTED` entries.
+    """
+    from matplotlib.lines import Line2D
+
+    if len(handles) <= MAX_LISTED:
+        return list(handles)
+    kept = MAX_LISTED - 1
+    more = Line2D([], [], linestyle="none", label=f"and {len(handles) - kept:,} more")
+    return [*handles[:kept], more]
+
+
 def legend_below(figure: Figure, handles: Sequence[Any], style: FigureStyle) -> None:
-    """Place a legend below all axes, in as many columns as fit."""
+    """Place a legend below all axes, in as many columns as fit.
+
+    Parameters
+    ----------
+    figure : Figure
+        The figure, whose layout is constrained.
+    handles : sequence of artist or tuple of artists
+        The entries. Artists of a tuple are drawn over one another; the last one has the label.
+    style : FigureStyle
+        The style, whose settings hold.
+    """
     if not handles:
         return
     limit = style.width_in * figure.dpi
+    labels = [str((one[-1] if isinstance(one, tuple) else one).get_label()) for one in handles]
     for columns in range(min(6, len(handles)), 0, -1):
         made = figure.legend(
             handles=handles,
+            labels=labels,
             loc="outside lower left",
             ncols=columns,
             columnspacing=1.2,

@@ -94,5 +94,10 @@ def test_tables_are_text_for_other_programs():
     assert sum(int(line.split(",")[5]) for line in lines) == len(run.of(GoalChosen))
     marked = table.markdown().splitlines()
     assert marked[2].count("|") == 8
-    assert len(marked) == len(lines) + 4
+    table_lines = [line for line in marked if line.startswith("|")]
+    assert len(table_lines) == len(lines) + 2
+    names = {line.split(",")[k] for line in lines for k in (1, 2)}
+    assert {note.partition(": ")[0] for note in table.notes} == names
+    assert "start: it had taken its first scan." in marked
+    assert "start: it had taken its first scan." in table.latex()
     assert table.latex().count(r"\\") == len(lines) + 1

@@ -7,11 +7,12 @@ import shapely
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
-from multisrt.drawing.axes import _path
+from multisrt.drawing.axes import _path, plot_steps
 from multisrt.drawing.colours import OBSTACLE, ROBOT_COLOURS
 from multisrt.drawing.svg import Pen
 from multisrt.environments.environment import Environment
 from multisrt.finished_run import Run
+from multisrt.geometry.errors import InvalidInputError
 
 RING = Environment.from_outline(
     "ring", shapely.box(0, 0, 10, 6), [shapely.box(4, 2, 6, 4)], starts=[(1.0, 1.0)]
@@ -55,6 +56,14 @@ def test_given_axes_are_only_drawn_on(ax):
     x0, x1 = ax.get_xlim()
     assert x0 < 0.0
     assert x1 > 10.0
+
+
+@pytest.mark.parametrize("ax", ["x", 1, plt])
+def test_only_axes_are_drawn_on(ax):
+    with pytest.raises(InvalidInputError, match="drawn on axes of matplotlib"):
+        RING.plot(ax)
+    with pytest.raises(InvalidInputError, match="drawn on axes of matplotlib"):
+        plot_steps([0.0], [1.0], ax)
 
 
 def test_limits_that_were_set_are_kept(ax):

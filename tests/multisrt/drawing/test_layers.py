@@ -82,8 +82,21 @@ def test_legends_say_nothing_of_what_is_left_out(trees, bidders):
         below = texts(svg)
         assert kinds(svg) >= {"free space", "obstacles", "heading", "legend"}
         assert not kinds(svg) & (set(CONTENTS.values()) | {"known", "goals", "death"})
-        for word in ("seen first", "outline", "border", "node: ", "start", "death", "no map"):
+        words = ("seen first", "outline", "border", "node: ", "start", "death", "no map", "of each")
+        for word in words:
             assert not any(word in text for text in below), word
+
+
+@pytest.mark.slow
+def test_colours_of_robots_are_those_of_what_is_drawn(trees):
+    def heading(*without: str) -> list[str]:
+        return [text for text in texts(tree_svg(trees, without=without)) if "of each robot" in text]
+
+    what = "of each robot: nodes, path length"
+    assert heading() == [f"area seen first and tree {what}"]
+    assert heading("areas") == [f"tree {what}"]
+    assert heading("edges", "nodes") == [f"area seen first {what}"]
+    assert heading("areas", "edges", "nodes") == [f"colour {what}"]
 
 
 def test_regions_of_many_nodes_are_outlined_as_one(trees, monkeypatch):

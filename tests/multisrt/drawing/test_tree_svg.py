@@ -213,3 +213,25 @@ def test_inline_worlds_keep_their_name():
         robots=(RobotSpec(start=(1.0, 1.0)),),
     )
     assert texts(tree_svg(simulate(spec)))[0] == "srt-radial in cell, seed 0"
+
+
+def test_paths_are_drawn_where_they_are_off_the_tree():
+    a, b, c = (2.0, 2.0), (6.0, 2.0), (6.0, 4.0)
+    there, back = (0.0, *a, 0.0), (8.0, *a, 0.0)
+    out = Motion(time_s=0.0, robot=0, waypoints=(there, (2.0, *b, 0.0)))
+    detour = Motion(time_s=3.0, robot=0, waypoints=((3.0, *b, 0.0), (4.0, *c, 0.0)))
+    home = Motion(time_s=5.0, robot=0, waypoints=((5.0, *c, 0.0), (6.0, *b, 0.0), back))
+    nodes = node(0.0, 0, 0, a), node(2.0, 0, 1, b, parent=(0, 0))
+    recording = recorded([a], [nodes[0], out, nodes[1], detour, home])
+    svg = tree_svg(recording)
+    # There and back again is one line.
+    (line,) = lines(paths(layers(svg)["robot 0: path"]))
+    np.testing.assert_allclose(line, [b, c])
+    assert "path off the tree" in texts(svg)
+    svg = tree_svg(recorded([a], [nodes[0], out, nodes[1]]))
+    assert lines(paths(layers(svg)["robot 0: path"])) == []
+    assert "path off the tree" not in texts(svg)
+
+
+def test_the_sheet_shrinks_with_the_window(one_node):
+    assert ' style="max-width:100%;height:auto"' in tree_svg(one_node).partition("<title>")[0]

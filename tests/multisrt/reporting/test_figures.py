@@ -157,6 +157,20 @@ def test_coverage_curves_are_medians_and_quartiles(study, axes_of):
     assert 225.0 - 0.5 <= far_s <= 225.0 + step + 0.5
 
 
+def test_coverage_curves_end_at_what_the_run_covered(study, axes_of):
+    result = next(one for one in study.results if one.metrics is not None)
+    metrics = msgspec.structs.replace(result.metrics, coverage=0.9998)
+    curve = (*result.covered_at_s[:100], None)
+    almost = msgspec.structs.replace(result, metrics=metrics, covered_at_s=curve)
+    only = Study(Results(study.results.experiment, [almost], 1, provenance()))
+    ((axes, _),) = axes_of(figures.coverage_curves, only).values()
+    (line,) = axes.lines
+    end_s = metrics.makespan_s
+    assert (x_of(line)[-1], y_of(line)[-1]) == (end_s, pytest.approx(0.9998))
+    before = y_of(line)[x_of(line) < end_s]
+    assert before[-1] == pytest.approx(0.99)
+
+
 def test_rates_of_success_are_over_all_settings(study, axes_of):
     ((axes, alt),) = axes_of(overall_figures.success_rates, study).values()
     assert "near: 1.00" in alt

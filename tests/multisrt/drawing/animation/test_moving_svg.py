@@ -8,6 +8,7 @@ import pytest
 from msgspec import structs
 
 from multisrt.drawing.animation import save_animation
+from multisrt.drawing.animation.looks import title_texts
 from multisrt.drawing.animation.moving_svg import moving_svg
 from multisrt.drawing.animation.pace import Pace
 from multisrt.drawing.animation.scene import Scene, scene_of
@@ -131,6 +132,18 @@ def test_texts_beside_each_other_do_not_overlap(told, width):
         assert end < float(text.get("x", "")) - wide
     assert end <= width
     assert speed or width < 480
+
+
+def test_whole_details_of_a_title_are_left_out_where_there_is_no_room(told):
+    pace = Pace.of(told.footer.time_s, duration_s=4.0, speed=None, fps=5.0)
+    whole = scene_of(told, told.environment(), pace, width=960).title
+    shown = set()
+    for width in range(260, 960, 50):
+        title, _ = title_texts(scene_of(told, told.environment(), pace, width=width))
+        assert title == whole or title.endswith("…") or whole.startswith(f"{title}, ")
+        assert title.count("…") == 0 or ", " not in title
+        shown.add(title)
+    assert len(shown) > 1
 
 
 def test_titles_may_hold_any_characters(told):

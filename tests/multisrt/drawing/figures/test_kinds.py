@@ -1,21 +1,28 @@
 """Figures show what recordings say."""
 
+from itertools import pairwise
+from typing import Any
+
 import numpy as np
 import pytest
 import shapely
+from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
+import multisrt as ms
 from multisrt.analysis.activity import activities
 from multisrt.analysis.decision_counts import decision_counts
 from multisrt.analysis.heat_maps import isolated_times, visits
 from multisrt.analysis.isolation import isolation
 from multisrt.analysis.run_tables import coverage_curve
-from multisrt.drawing.figures import FigureOptions, draw_figure
+from multisrt.drawing.colours import RobotStyles
+from multisrt.drawing.figures import FigureOptions, draw_figure, figure_bytes
 from multisrt.drawing.figures.activity import draw_activity
 from multisrt.drawing.figures.coverage import draw_coverage
 from multisrt.drawing.figures.run_map import draw_map
 from multisrt.drawing.figures.trajectories import draw_trajectories
 from multisrt.events import Decided, Decision, GoalChosen, Learned, Motion, NodeAdded
+from multisrt.geometry.errors import InvalidInputError
 
 
 @pytest.fixture
@@ -31,6 +38,14 @@ def corners_of(line):
     return np.asarray(line.get_xydata())
 
 
+def stretches_of(line):
+    """The parts of a line with gaps."""
+    corners = corners_of(line)
+    gaps = np.flatnonzero(np.isnan(corners[:, 0]))
+    parts = np.split(corners, gaps)
+    return shapely.MultiLineString([part[~np.isnan(part[:, 0])] for part in parts])
+
+
 def waypoints(recording, robot):
     start = recording.header.starts[robot][:2]
     moved = [e for e in recording.events if isinstance(e, Motion) and e.robot == robot]
@@ -39,22 +54,28 @@ def waypoints(recording, robot):
 
 @pytest.mark.slow
 def test_trajectories_are_those_of_the_recording(bidders, growers, ax):
+    led_back = []
     for recording in (bidders, growers):
         drawn = draw_trajectories(recording, ax, 80.0)
         assert len(drawn) == 3
         for robot, line in enumerate(drawn):
             own = waypoints(recording, robot)
-            path = shapely.LineString(corners_of(line))
-            np.testing.assert_allclose(corners_of(line)[[0, -1]], own[[0, -1]])
-            assert shapely.distance(path, shapely.points(own)).max() < 1e-9
-            length = f"{path.length:,.0f} m"
-            assert line.get_label() == f"robot {robot}: {length}"
+            drawn_once = stretches_of(line)
+            true = shapely.LineString(own)
+            assert drawn_once.hausdorff_distance(true) < 1e-6
+            # No leg is drawn twice: dashes would fill each other's gaps.
+            legs = {frozenset(map(tuple, np.round(leg, 6).tolist())) for leg in pairwise(own)}
+            once = sum(np.hypot(*np.subtract(*leg)) for leg in legs if len(leg) == 2)
+            assert drawn_once.length == pytest.approx(once, rel=1e-6)
+            assert line.get_label() == f"robot {robot}"
+            led_back.append(drawn_once.length < true.length - 1.0)
+    assert any(led_back)
 
 
 @pytest.mark.slow
 def test_single_robots_are_chosen(bidders, ax):
     (line,) = draw_trajectories(bidders, ax, 80.0, robots=[1])
-    assert str(line.get_label()).startswith("robot 1:")
+    assert line.get_label() == "robot 1"
     assert [text.get_text() for text in ax.texts if text.get_text().isdigit()] == ["1"]
 
 
@@ -148,6 +169,76 @@ def test_columns_and_rows_of_maps_are_in_the_order_that_is_given(growers):
     assert areas[2] > areas[3]
 
 
+def seen_by(figure):
+    (legend,) = figure.legends
+    return [t.get_text() for t in legend.get_texts() if t.get_text().startswith("seen by")]
+
+
+@pytest.mark.slow
+def test_the_legend_of_maps_lists_the_robots_whose_areas_are_shown(growers):
+    early = draw_figure("maps", growers, options=FigureOptions(times_s=(0.5,), robots=(1,)))
+    shown = {f"seen by robot {maker}" for maker in known_at(growers, 1, 0.5)}
+    assert set(seen_by(early)) == shown
+    assert len(seen_by(draw_figure("maps", growers))) == 3
+
+
+@pytest.fixture(scope="module")
+def crowd():
+    """Thirty robots that move little."""
+    return ms.explore("museum", strategy="closest", robots=30, seed=1, max_time_s=3.0).recording
+
+
+@pytest.mark.slow
+def test_maps_are_as_large_as_can_be_or_refused(crowd):
+    figure = draw_figure("maps", crowd, style="ieee-wide", options=FigureOptions(times_s=(1.0,)))
+    width_in, height_in = figure.get_size_inches()
+    shown = [ax for ax in figure.axes if ax.get_visible()]
+    assert sorted(ax.get_ylabel() for ax in shown) == sorted(f"robot {n}" for n in range(30))
+    boxes = [ax.get_position() for ax in shown]
+    assert min(max(box.width * width_in, box.height * height_in) for box in boxes) >= 0.9
+    assert len({round(box.y0, 3) for box in boxes}) < 30
+    with pytest.raises(InvalidInputError, match=r"90 maps .* robots \(--robot\), fewer times"):
+        draw_figure("maps", crowd, style="ieee")
+
+
+@pytest.mark.slow
+def test_many_runs_that_do_not_fit_are_refused(curves):
+    with pytest.raises(InvalidInputError, match="fewer recordings or a wider style"):
+        draw_figure("trajectories", curves * 16, style="ieee")
+
+
+@pytest.mark.slow
+def test_legends_of_large_teams_say_how_many_robots_they_leave_out(crowd):
+    for kind in ("map", "trajectories"):
+        (legend,) = draw_figure(kind, crowd).legends
+        texts = [text.get_text() for text in legend.get_texts()]
+        robots = [text for text in texts if text.startswith("robot ")]
+        assert robots == [f"robot {number}" for number in range(23)]
+        assert "and 7 more" in texts
+
+
+@pytest.mark.slow
+def test_the_legend_of_a_map_shows_the_areas_of_robots(growers):
+    for without in ((), ("areas",)):
+        figure = draw_figure("map", growers, options=FigureOptions(without=without))
+        (legend,) = figure.legends
+        texts = [text.get_text() for text in legend.get_texts()]
+        assert ("seen first by a robot" in texts) == (not without)
+        fills = {to_hex(patch.get_facecolor()) for patch in legend.get_patches()}
+        assert (RobotStyles.of(1).area.fill in fills) == (not without)
+
+
+def test_figures_are_drawn_of_runs_and_of_recordings_only():
+    run = ms.explore("open", seed=1, max_time_s=5.0)
+    of_recording = figure_bytes("trajectories", run.recording)
+    assert figure_bytes("trajectories", run) == of_recording
+    assert figure_bytes("trajectories", [run]) == of_recording
+    several_wrong: list[Any] = [1, "recording.jsonl", [run, None]]
+    for wrong in several_wrong:
+        with pytest.raises(InvalidInputError, match="drawn of runs or recordings, not of"):
+            draw_figure("coverage", wrong)
+
+
 def at_times(curve, times):
     """A step curve at some times; 0 before its first change."""
     last = np.searchsorted(curve[0], times, side="right")
@@ -213,7 +304,8 @@ def test_heat_maps_show_the_counts(bidders):
         np.testing.assert_array_equal(shown, visits(bidders, count).values)
     figure = draw_figure("isolation", bidders)
     (image,) = figure.axes[0].images
-    np.testing.assert_array_equal(shown_by(image), isolated_times(bidders).values)
+    times = isolated_times(bidders)
+    np.testing.assert_allclose(shown_by(image), times.values / times.cell_m**2)
 
 
 @pytest.mark.slow
@@ -228,11 +320,14 @@ def test_colour_bars_of_counts_have_a_label_for_each_colour(bidders):
 @pytest.mark.slow
 def test_a_team_that_was_never_isolated_is_said_to_be(curves):
     figure = draw_figure("isolation", curves[0])
-    assert "never isolated" in [text.get_text() for text in figure.axes[0].texts]
+    assert figure.axes[0].get_title(loc="left") == "never isolated"
     assert len(figure.axes) == 1
     figure = draw_figure("isolation", curves[:2])
-    for ax in figure.axes:
-        assert [text.get_text() for text in ax.texts].count("never isolated") == 1
+    titles = [ax.get_title(loc="left") for ax in figure.axes]
+    assert titles == [
+        f"({letter}) srt-radial, seed {seed}: never isolated"
+        for letter, seed in (("a", 1), ("b", 2))
+    ]
 
 
 @pytest.mark.slow

@@ -44,7 +44,7 @@ class Bodies extends Brush {
     c.beginPath();
     c.moveTo(x, y);
     c.lineTo(x + 1.4 * size * cos, y - 1.4 * size * sin);
-    this.stroke(edge, 1.8);
+    this.stroke(colourOfHeading(colours, fill, edge), 1.8);
     if (isCutOff) this.ring(x, y, size + view.px(5), colours.frontier, 2, [3, 3]);
     if (doing === "dead") this.cross(x, y, size + view.px(3));
   }
@@ -147,5 +147,10 @@ class Bodies extends Brush {
 function colourOfBody(colours, run, robot, doing) {
   const colour = colours.bodyOf(run, robot);
   if (doing === "dead") return { fill: colours.solid, edge: colours.ink };
-  return doing === "not started" ? { ...colour, fill: colours.paper } : colour;
+  return doing === "not started" ? { fill: colours.paper, edge: colours.lineOf(run, robot) } : colour;
+}
+
+// An edge that is dark on a dark map would not be seen outside of the body.
+function colourOfHeading(colours, fill, edge) {
+  return colours.isDark && fill !== colours.paper ? fill : edge;
 }

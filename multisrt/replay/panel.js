@@ -95,8 +95,12 @@ class Panel {
     byId("run").value = player.run;
     byId("robot").value = player.robot;
     for (const box of byId("layers").querySelectorAll("input")) box.checked = player.layers.has(box.name);
-    if (byId("fold-robot").open) this.tell();
+    this.tellRobot();
     if (byId("fold-events").open) this.list();
+  }
+
+  tellRobot() {
+    if (byId("fold-robot").open) this.tell();
   }
 
   tell() {

@@ -2,7 +2,7 @@
 
 const PACES = [0.5, 1, 2, 5, 10, 20, 50, 100];
 const PANEL_MS = 150; // between two updates of texts while it plays
-const PANEL_S = 0.5; // of the run, by which texts may be late
+const PANEL_S = 0.5; // of the run, by which the text about the chosen robot may be late
 const ZOOM = 1.25; // by a key
 const NOTE_MS = 2000; // between two notes of the time in the address while it plays
 const PLAYING_MS = 12; // of a frame, for pictures
@@ -365,7 +365,8 @@ class Player {
     if (!this.isPlaying) return;
     this.lines.follow(this.time);
     byId("clock").textContent = `${this.time.toFixed(1)} / ${this.end.toFixed(1)} s`;
-    if (now - this.told > PANEL_MS || this.time - this.toldTime > PANEL_S) this.tell();
+    if (now - this.told > PANEL_MS) this.tell();
+    else if (this.time - this.toldTime > PANEL_S) this.panel.tellRobot();
     if (now - this.noted > NOTE_MS) this.note();
     if (this.time >= this.end && this.isThere) this.pause();
   }

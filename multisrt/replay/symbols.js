@@ -21,7 +21,7 @@ const SYMBOLS = [
   ["bodies", "robot, with its heading", (s) => s.robot()],
   ["bodies", "cut off from all other robots", (s) => s.robot().ring(16, 8, s.colours.frontier, 2, [3, 3]), true],
   ["bodies", "dead", (s) => s.robot(s.colours.solid, s.colours.ink).cross(16, 7)],
-  ["bodies", "not switched on yet", (s) => s.robot(s.colours.paper, s.body.edge, [2, 2])],
+  ["bodies", "not switched on yet", (s) => s.robot(s.colours.paper, s.line1, [2, 2])],
   ["bodies", "chosen robot or node", (s) => s.ring(16, 7, s.colours.link, 3)],
   ["groups", "robots that are engaged (GER)", (s) => s.oval(s.colours.link, 1.8, [], 0.1)],
   ["groups", "robots that are pre-engaged (GPR)", (s) => s.oval(s.colours.link, 1.2, [3, 4])],
@@ -128,7 +128,7 @@ class Sample {
     this.c.beginPath();
     this.c.moveTo(16, 9);
     this.c.lineTo(22.5, 9);
-    return this.stroke(edge, 1.5);
+    return this.stroke(colourOfHeading(this.colours, fill, edge), 1.5);
   }
 
   cross(x, size) {

@@ -8,7 +8,7 @@ import pytest
 
 import multisrt as ms
 from multisrt.replay import LiveReplay, live
-from tests.multisrt.replay.test_page import DESKTOP, Shown
+from tests.multisrt.replay.shown import DESKTOP, Shown
 
 pytestmark = pytest.mark.slow
 

@@ -148,15 +148,21 @@ def robots_abreast(environment: Environment, style: FigureStyle, robots: int, ti
     entries = min(robots, MAX_LISTED) + 2
     height_in = style.max_height_in - (2 + -(-entries // ENTRIES_IN_A_ROW)) * line_in
 
-    def width_in(abreast: int) -> float:
+    def width_in(abreast: int, robots: int) -> float:
         columns, rows = abreast * times, -(-robots // abreast)
         wide_in = (style.width_in - abreast * line_in) / columns
         return min(wide_in, aspect * (height_in / rows - line_in))
 
-    best = max(range(1, robots + 1), key=width_in)
-    if max(1.0, 1.0 / aspect) * width_in(best) < MIN_MAP_IN:
-        raise too_small(robots * times, style.width_in, style.max_height_in, SMALLER)
-    return best
+    def best(robots: int) -> tuple[float, int]:
+        width, minus_abreast = max((width_in(n, robots), -n) for n in range(1, robots + 1))
+        return max(1.0, 1.0 / aspect) * width, -minus_abreast
+
+    longer_in, abreast = best(robots)
+    if longer_in < MIN_MAP_IN:
+        fitting = [number for number in range(1, robots) if best(number)[0] >= MIN_MAP_IN]
+        remedy = f"at most {fitting[-1]} {SMALLER}" if fitting else SMALLER
+        raise too_small(robots * times, style.width_in, style.max_height_in, remedy)
+    return abreast
 
 
 def draw_robot_map(

@@ -96,6 +96,7 @@ results: $(READY)
 		cp $(OUT)/results/$$paper/summary.md docs/results/$$paper.md; \
 		$(BIN)/multisrt experiment export --force $(OUT)/results/$$paper/results.sqlite docs/results/$$paper.csv; \
 	done; \
+	$(BIN)/python docs/verdicts.py; \
 	if [ -n "$$failed" ]; then echo "runs failed or are missing in:$$failed"; exit 1; fi
 
 # Warnings are errors: links to pages, anchors and the API that lead nowhere, and pages left out.

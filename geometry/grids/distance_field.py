@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import math
+from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.geometry.grids.fast_march import EXACT_CELLS, descend, first_accepted
+from multisrt.geometry.grids.fast_march import EXACT_CELLS, descend
 from multisrt.geometry.grids.field_inputs import checked_cells, checked_sources
 from multisrt.geometry.grids.march_window import MarchWindow
 from multisrt.geometry.numerics.arrays import BoolArray, FloatArray, IntArray
+
+NO_CELLS: Final[IntArray] = np.empty((0, 2), np.int64)
 
 
 def distance_field(
@@ -82,7 +85,7 @@ class DistanceField:
     """Lengths of the shortest paths from the nearest source, computed as far as needed.
 
     The march stops once the cells asked for are final and continues when others are. It works on
-    a window of the grid that doubles when the front reaches its rim, so that neither time nor
+    a window of the grid that grows when the front reaches its rim, so that neither time nor
     memory depend on the size of the grid. When cells have changed, `repair` takes back what
     they may have had a share in and keeps the rest.
 
@@ -147,7 +150,8 @@ class DistanceField:
         self.x0, self.y0 = x0, y0
         self.sources: FloatArray = np.array(sources, np.float64)
         self._starts = checked_sources(self.sources, passable, cell_m, x0, y0)
-        self._march = MarchWindow(passable, self._starts)
+        # The march begins when cells are asked for, with room for the paths to them.
+        self._march: MarchWindow | None = None
 
     @property
     def starts(self) -> FloatArray:
@@ -181,10 +185,9 @@ class DistanceField:
         >>> field.distance([(0, 2), (0, 8)], at_most_m=1.0).tolist()
         [1.0, inf]
         """
-        rows, columns = checked_cells(cells, self.passable)
-        self._march.march_to(rows, columns, all_of_them=True, limit=at_most_m / self.cell_m)
-        at = self._march.numbers_of(rows, columns)
-        lengths: FloatArray = self._march.arrays.distance[at] * self.cell_m
+        asked = checked_cells(cells, self.passable)
+        march = self._march_to(asked, farthest=True, at_most_m=at_most_m)
+        lengths: FloatArray = march.values_of(asked) * self.cell_m
         return lengths
 
     def first(self, cells: ArrayLike, at_most_m: float = math.inf) -> tuple[int, float] | None:
@@ -219,18 +222,14 @@ class DistanceField:
         >>> field.first([(0, 8)], at_most_m=3.0) is None
         True
         """
-        rows, columns = checked_cells(cells, self.passable)
-        self._march.march_to(rows, columns, all_of_them=False, limit=at_most_m / self.cell_m)
-        arrays = self._march.arrays
-        at = self._march.numbers_of(rows, columns)
-        first = first_accepted(at, arrays.state, arrays.places)
-        if first < 0:
-            return None
-        return first, float(arrays.distance[at[first]] * self.cell_m)
+        asked = checked_cells(cells, self.passable)
+        march = self._march_to(asked, farthest=False, at_most_m=at_most_m)
+        first, value = march.first_of(asked)
+        return None if first < 0 else (first, value * self.cell_m)
 
     def complete(self) -> None:
         """March until every cell that can be reached has its final value."""
-        self._march.complete()
+        self._begun(NO_CELLS, farthest=False).complete()
 
     def reached(self) -> FloatArray:
         """Return the distances to all cells that are final by now.
@@ -241,8 +240,9 @@ class DistanceField:
             Metres; ``inf`` in all other cells.
         """
         field = np.full(self.passable.shape, np.inf)
-        r0, r1, c0, c1 = self._march.window
-        field[r0:r1, c0:c1] = self._march.values() * self.cell_m
+        if self._march is not None:
+            r0, r1, c0, c1 = self._march.window
+            field[r0:r1, c0:c1] = self._march.values() * self.cell_m
         return field
 
     def descent(self, cell: ArrayLike) -> IntArray:
@@ -292,15 +292,16 @@ class DistanceField:
         InvalidInputError
             If a cell is not in the grid, or no path leads there.
         """
-        rows, columns = checked_cells(cells, self.passable)
-        unreachable = np.flatnonzero(np.isinf(self.distance(cells)))
+        asked = checked_cells(cells, self.passable)
+        march = self._march_to(asked, farthest=True)
+        unreachable = np.flatnonzero(np.isinf(march.values_of(asked)))
         if len(unreachable):
-            k = unreachable[0]
+            row, column = asked[unreachable[0]]
             raise InvalidInputError(
-                f"no path leads to cell ({rows[k]}, {columns[k]}): its distance is infinite"
+                f"no path leads to cell ({row}, {column}): its distance is infinite"
             )
-        arrays, window = self._march.arrays, self._march.window
-        at = self._march.numbers_of(rows, columns)
+        arrays, window = march.arrays, march.window
+        at = march.numbers_of(asked)
         down, begins = descend(at, arrays.state, arrays.distance, arrays.width)
         row, column = np.divmod(down, arrays.width)
         paths = np.column_stack([row - 2 + window[0], column - 2 + window[2]])
@@ -324,13 +325,31 @@ class DistanceField:
         InvalidInputError
             If the cell of a source is blocked now; the field is as before then.
         """
+        if self._march is None:
+            self._check_sources()
+            return
         rows, columns = self._march.changes_in(window)
         if not len(rows):
             return
         for x, y in self._starts.tolist():
             near = (abs(rows - int(y)) <= EXACT_CELLS) & (abs(columns - int(x)) <= EXACT_CELLS)
             if near.any():
-                checked_sources(self.sources, self.passable, self.cell_m, self.x0, self.y0)
-                self._march = MarchWindow(self.passable, self._starts)
+                self._check_sources()
+                self._march = None
                 return
         self._march.take_back(rows, columns)
+
+    def _check_sources(self) -> None:
+        checked_sources(self.sources, self.passable, self.cell_m, self.x0, self.y0)
+
+    def _begun(self, cells: IntArray, *, farthest: bool) -> MarchWindow:
+        if self._march is None:
+            self._march = MarchWindow(self.passable, self._starts, cells, farthest=farthest)
+        return self._march
+
+    def _march_to(
+        self, cells: IntArray, *, farthest: bool, at_most_m: float = math.inf
+    ) -> MarchWindow:
+        march = self._begun(cells, farthest=farthest)
+        march.march_to(cells, farthest=farthest, limit=at_most_m / self.cell_m)
+        return march

@@ -153,7 +153,7 @@ class EuclideanField:
         InvalidInputError
             If a cell is not in the grid.
         """
-        rows, columns = checked_cells(cells, self.passable)
+        rows, columns = checked_cells(cells, self.passable).T
         at = rows * self.passable.shape[1] + columns
         self._march_to(at[self.passable[rows, columns]])
         is_final = self._transform.state[at] == FINAL

@@ -98,16 +98,31 @@ def seed(free: BoolArray, starts: FloatArray, march: March) -> int:
     """
     rows, columns = free.shape
     cells, keys, places = march.cells, march.keys, march.places
+    blocked = np.zeros((2 * EXACT_CELLS + 2, 2 * EXACT_CELLS + 2), np.int32)
     held = 0
     for k in range(starts.shape[0]):
         x, y = starts[k, 0], starts[k, 1]
-        for r in range(max(0, int(y) - EXACT_CELLS), min(rows, int(y) + EXACT_CELLS + 1)):
-            for c in range(max(0, int(x) - EXACT_CELLS), min(columns, int(x) + EXACT_CELLS + 1)):
+        r0, c0 = max(0, int(y) - EXACT_CELLS), max(0, int(x) - EXACT_CELLS)
+        r1, c1 = min(rows, int(y) + EXACT_CELLS + 1), min(columns, int(x) + EXACT_CELLS + 1)
+        # blocked[i, j] counts the cells of the first i rows and j columns that are not free. What
+        # lies between a source and a cell is in sight of it if it is free all over.
+        for r in range(r0, r1):
+            before = 0
+            for c in range(c0, c1):
+                before += not free[r, c]
+                blocked[r + 1 - r0, c + 1 - c0] = blocked[r - r0, c + 1 - c0] + before
+        for r in range(r0, r1):
+            low, high = min(r, int(y)) - r0, max(r, int(y)) - r0 + 1
+            for c in range(c0, c1):
                 straight = np.hypot(c + 0.5 - x, r + 0.5 - y)
                 u = (r + 2) * march.width + c + 2
-                if straight < keys[places[u]] and in_sight(free, x, y, c, r):
-                    march.state[u] = EXACT
-                    held = push(cells, keys, places, held, straight, u)
+                if straight < keys[places[u]]:
+                    left, right = min(c, int(x)) - c0, max(c, int(x)) - c0 + 1
+                    walls = blocked[high, right] - blocked[low, right]
+                    walls += blocked[low, left] - blocked[high, left]
+                    if walls == 0 or in_sight(free, x, y, c, r):
+                        march.state[u] = EXACT
+                        held = push(cells, keys, places, held, straight, u)
     return held
 
 
@@ -160,104 +175,6 @@ def advance(
                     state[v] = FREE
                     held = push(cells, keys, places, held, value, v)
     return held, count, False
-
-
-@kernel
-def numbers_of(
-    rows: IntArray, columns: IntArray, window: tuple[int, int, int, int], width: int
-) -> IntArray:
-    """Return the numbers of cells in a window of the grid with its border.
-
-    Parameters
-    ----------
-    rows, columns : (n,) arrays
-        Their rows and columns in the grid.
-    window : (r0, r1, c0, c1)
-        The window has rows r0 to r1 - 1 and columns c0 to c1 - 1.
-    width : int
-        Columns of the window with its border.
-
-    Returns
-    -------
-    (n,) array
-        0, which is a cell of the border, for those outside of the window.
-    """
-    r0, r1, c0, c1 = window
-    numbers = np.zeros(rows.shape[0], np.int64)
-    for i in range(rows.shape[0]):
-        if r0 <= rows[i] < r1 and c0 <= columns[i] < c1:
-            numbers[i] = (rows[i] - r0 + 2) * width + columns[i] - c0 + 2
-    return numbers
-
-
-@kernel
-def ask(at: IntArray, state: ByteArray, marks: ByteArray) -> tuple[int, int]:
-    """Mark cells as asked for, in place.
-
-    Parameters
-    ----------
-    at : (k,) array
-        Numbers of the cells, 0 for those outside of the window, which count as not accepted.
-    state, marks : (n,) arrays of uint8
-        As in `March`.
-
-    Returns
-    -------
-    missing, final : int
-        Number of them that are not accepted yet, and that are; a missing cell of the window
-        counts once however often it is asked for.
-    """
-    missing = final = 0
-    for u in at:
-        if state[u] == ACCEPTED:
-            final += 1
-        elif u == 0:
-            missing += 1
-        elif not marks[u] & ASKED:
-            marks[u] |= ASKED
-            missing += 1
-    return missing, final
-
-
-@kernel
-def forget(at: IntArray, marks: ByteArray) -> None:
-    """Remove the mark `ASKED` from cells, in place."""
-    for u in at:
-        marks[u] &= RIM
-
-
-@kernel
-def first_accepted(at: IntArray, state: ByteArray, places: Int32Array) -> int:
-    """Return the index of the cell in `at` that was accepted first, -1 if none is."""
-    first = -1
-    for i in range(at.shape[0]):
-        if state[at[i]] == ACCEPTED and (first < 0 or places[at[i]] < places[at[first]]):
-            first = i
-    return first
-
-
-@kernel
-def moved_cells(cells: Int32Array, across: int, width: int, below: int, left: int) -> Int32Array:
-    """Return the numbers that cells have in a larger grid.
-
-    Parameters
-    ----------
-    cells : (n,) array of int32
-        Their numbers in a grid with `across` columns.
-    across, width : int
-        Columns of the smaller and the larger grid, borders included.
-    below, left : int
-        Number of rows that the larger grid has more below, and of columns to the left.
-
-    Returns
-    -------
-    (n,) array of int32
-    """
-    numbers = np.empty_like(cells)
-    for i in range(len(cells)):
-        row, column = cells[i] // across, cells[i] % across
-        numbers[i] = (row + below) * width + column + left
-    return numbers
 
 
 @kernel

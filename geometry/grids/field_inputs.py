@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.grids.march_cells import first_outside
 from multisrt.geometry.numerics.arrays import BoolArray, FloatArray, IntArray
 
 
@@ -59,7 +60,7 @@ def checked_sources(
     return cells
 
 
-def checked_cells(cells: ArrayLike, free: BoolArray) -> tuple[IntArray, IntArray]:
+def checked_cells(cells: ArrayLike, free: BoolArray) -> IntArray:
     """Check the cells that a field is asked for.
 
     Parameters
@@ -71,19 +72,20 @@ def checked_cells(cells: ArrayLike, free: BoolArray) -> tuple[IntArray, IntArray
 
     Returns
     -------
-    rows, columns : (k,) arrays of int
+    (k, 2) array of int
 
     Raises
     ------
     InvalidInputError
         If a cell is not in the grid.
     """
-    asked = np.asarray(cells, np.int64).reshape(-1, 2)
-    outside = (asked < 0) | (asked >= free.shape)
-    if outside.any():
-        row, column = asked[int(np.flatnonzero(outside.any(axis=1))[0])]
+    asked = np.ascontiguousarray(cells, np.int64).reshape(-1, 2)
+    rows, columns = free.shape
+    outside = first_outside(asked, rows, columns)
+    if outside >= 0:
+        row, column = asked[outside]
         raise InvalidInputError(
-            f"the asked cell ({row}, {column}) is not in the grid of "
-            f"{free.shape[0]} rows and {free.shape[1]} columns"
+            f"the asked cell ({row}, {column}) is not in the grid of {rows} rows and "
+            f"{columns} columns"
         )
-    return asked[:, 0], asked[:, 1]
+    return asked

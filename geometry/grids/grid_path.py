@@ -74,17 +74,28 @@ def straightened(field: DistanceField, descent: IntArray) -> FloatArray:
     (m, 2) array
         Points x, y in metres from the source to the cell's centre.
     """
-    centres = descent[::-1, ::-1] + 0.5
-    source = _source_of(field.passable, centres[0], field.starts)
-    line = np.vstack([field.starts[source], centres])
-    onward, back = _pull(field.passable, line, True), _pull(field.passable, line, False)
-    turns = line[back] if _length(line[back]) < _length(line[onward]) else line[onward]
+    line = _line_of(descent, field.passable, field.starts)
+    turns = line[_pull(field.passable, line, True)]
+    if len(turns) > 2:
+        other = line[_pull(field.passable, line, False)]
+        turns = other if _length(other) < _length(turns) else turns
     path: FloatArray = turns * field.cell_m + (field.x0, field.y0)
     return path
 
 
 def _length(line: FloatArray) -> float:
     return float(np.hypot(*np.diff(line, axis=0).T).sum())
+
+
+@kernel
+def _line_of(descent: IntArray, passable: BoolArray, starts: FloatArray) -> FloatArray:
+    # From the source where a descent ends through the centres of its cells.
+    count = len(descent)
+    line = np.empty((count + 1, 2))
+    for i in range(count):
+        line[count - i, 0], line[count - i, 1] = descent[i, 1] + 0.5, descent[i, 0] + 0.5
+    line[0] = starts[_source_of(passable, line[1], starts)]
+    return line
 
 
 @kernel

@@ -11,7 +11,7 @@ Int32Array = NDArray[np.int32]
 ByteArray = NDArray[np.uint8]
 BoolArray = NDArray[np.bool_]
 
-Array = TypeVar("Array", FloatArray, IntArray)
+Array = TypeVar("Array", FloatArray, IntArray, Int32Array, ByteArray)
 
 
 def grown(array: Array, length: int) -> Array:

@@ -15,7 +15,7 @@ from multisrt.geometry.numerics.distances import inside
 from multisrt.geometry.numerics.kernel import BoolArray, FloatArray, IntArray, kernel
 from multisrt.geometry.numerics.rings import RingArrays, Rings
 from multisrt.geometry.numerics.segments import cross_each_other, squared_distance
-from multisrt.geometry.regions.segment_difference import uncovered
+from multisrt.geometry.regions.union_border import UnionBorder
 
 
 class KnownSpace:
@@ -29,6 +29,8 @@ class KnownSpace:
         The regions to unite: all that have a part in the window.
     window : tuple of float
         x0, y0, x1, y1 in metres.
+    border : UnionBorder, optional
+        The border of the union of all rings, as far as computed before.
 
     Attributes
     ----------
@@ -55,12 +57,19 @@ class KnownSpace:
     """
 
     def __init__(
-        self, rings: Rings, indices: IntArray, window: tuple[float, float, float, float]
+        self,
+        rings: Rings,
+        indices: IntArray,
+        window: tuple[float, float, float, float],
+        border: UnionBorder | None = None,
     ) -> None:
         self._rings = rings
         self._indices = indices
         self._window = window
-        self.border = _border(indices, window, rings.arrays)
+        border = UnionBorder(rings) if border is None else border
+        x0, y0, x1, y1 = window
+        frame = np.array([[x0, y0, x1, y0], [x1, y0, x1, y1], [x1, y1, x0, y1], [x0, y1, x0, y0]])
+        self.border: FloatArray = np.concatenate((border.within(indices, window), frame))
 
     def holds(self, places: FloatArray) -> BoolArray:
         """Return which places, ``(n, 2)`` in metres, lie inside the union and the window."""
@@ -120,32 +129,6 @@ class KnownSpace:
         """
         found: BoolArray = _sees(x, y, places, self.border)
         return found
-
-
-@kernel
-def _border(
-    indices: IntArray,
-    window: tuple[float, float, float, float],
-    rings: RingArrays,
-) -> FloatArray:
-    starts, corners = rings.starts, rings.corners
-    x0, y0, x1, y1 = window
-    total = 0
-    for k in indices:
-        total += starts[k + 1] - starts[k]
-    edges = np.empty((total, 4))
-    count = 0
-    for k in indices:
-        px, py = corners[starts[k + 1] - 1]
-        for c in range(starts[k], starts[k + 1]):
-            qx, qy = corners[c]
-            if max(px, qx) >= x0 and min(px, qx) <= x1 and max(py, qy) >= y0 and min(py, qy) <= y1:
-                edges[count, 0], edges[count, 1], edges[count, 2], edges[count, 3] = px, py, qx, qy
-                count += 1
-            px, py = qx, qy
-    rest, _ = uncovered(edges[:count], rings, indices)
-    frame = np.array([[x0, y0, x1, y0], [x1, y0, x1, y1], [x1, y1, x0, y1], [x0, y1, x0, y0]])
-    return np.concatenate((rest, frame))
 
 
 @kernel

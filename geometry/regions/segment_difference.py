@@ -42,8 +42,9 @@ MIN_OVERLAP_M: Final = 1e-5
 """Segments that lie along each other for less than this length in metres only touch or cross."""
 
 
-class _Line(NamedTuple):
-    # A directed segment: its origin, its unit vector and its length.
+class Line(NamedTuple):
+    """A directed segment: its origin, its unit vector and its length."""
+
     x: float
     y: float
     ux: float
@@ -51,14 +52,23 @@ class _Line(NamedTuple):
     length: float
 
 
-class _Intervals(NamedTuple):
-    # Room for intervals along a segment, kept in the order of their lower ends.
+@inlined_kernel
+def shifted_line(x0: float, y0: float, x1: float, y1: float, length: float) -> Line:
+    """Return the line that is compared with polygons in place of a segment."""
+    ux, uy = (x1 - x0) / length, (y1 - y0) / length
+    return Line(x0 + uy * OUTWARD_M, y0 - ux * OUTWARD_M, ux, uy, length)
+
+
+class Intervals(NamedTuple):
+    """Room for intervals along a segment, kept in the order of their lower ends."""
+
     low: FloatArray
     high: FloatArray
 
 
-class _Remainders(NamedTuple):
-    # Room for remainders, and for the index of the segment that each comes from.
+class Remainders(NamedTuple):
+    """Room for remainders, and for the index of the segment that each comes from."""
+
     rest: FloatArray
     source: IntArray
 
@@ -106,23 +116,22 @@ def uncovered(
         longest = max(longest, size)
         total += size
     crossings = np.empty(longest + 1)
-    covered = _Intervals(np.empty(total + 1), np.empty(total + 1))
+    covered = Intervals(np.empty(total + 1), np.empty(total + 1))
     room = max(16, 2 * segments.shape[0])
     while True:
-        found = _Remainders(np.empty((room, 4)), np.empty(room, np.int64))
+        found = Remainders(np.empty((room, 4)), np.empty(room, np.int64))
         kept = 0
         for i in range(segments.shape[0]):
             x0, y0, x1, y1 = segments[i, 0], segments[i, 1], segments[i, 2], segments[i, 3]
             length = np.hypot(x1 - x0, y1 - y0)
             if length <= MIN_SEGMENT_M:
                 continue
-            ux, uy = (x1 - x0) / length, (y1 - y0) / length
-            ox, oy = x0 + uy * OUTWARD_M, y0 - ux * OUTWARD_M
-            end = ox + x1 - x0, oy + y1 - y0
-            line = _Line(ox, oy, ux, uy, length)
+            line = shifted_line(x0, y0, x1, y1, length)
+            end = line.x + x1 - x0, line.y + y1 - y0
             count = _covered_by_rings(line, end, rings, order, crossings, covered)
             if count >= 0:
-                kept = _add_remainders(segments, i, (ux, uy), 1.0, covered, count, found, kept)
+                direction = line.ux, line.uy
+                kept = add_remainders(segments, i, direction, 1.0, covered, count, found, kept)
         if kept <= room:
             return found.rest[:kept].copy(), found.source[:kept].copy()
         room = kept
@@ -130,12 +139,12 @@ def uncovered(
 
 @inlined_kernel
 def _covered_by_rings(
-    line: _Line,
+    line: Line,
     line_end: tuple[float, float],
     rings: RingArrays,
     order: IntArray,
     crossings: FloatArray,
-    covered: _Intervals,
+    covered: Intervals,
 ) -> int:
     # Note the intervals of a line that rings cover, and return their number, or -1 if one ring
     # covers the whole line. That ring moves to the front of the order: it often covers the next
@@ -152,13 +161,13 @@ def _covered_by_rings(
             or rings.boxes[p, 3] < bottom
         ):
             continue
-        crossed = _crossings(line, rings, order[k], crossings)
+        crossed = crossings_with(line, rings, order[k], crossings)
         whole = False
         # Between the first and the second crossing the line is inside, and so on.
         for z in range(0, crossed - 1, 2):
             begin, end = max(0.0, crossings[z]), min(line.length, crossings[z + 1])
             if end > begin:
-                count = _insert(covered, count, begin, end)
+                count = insert_interval(covered, count, begin, end)
                 whole = begin == 0.0 and end == line.length
         if whole:
             order[0], order[k] = order[k], order[0]
@@ -167,8 +176,8 @@ def _covered_by_rings(
 
 
 @inlined_kernel
-def _crossings(line: _Line, rings: RingArrays, index: int, crossings: FloatArray) -> int:
-    # Note where a ring crosses a line, in metres along it, ascending; return the number.
+def crossings_with(line: Line, rings: RingArrays, index: int, crossings: FloatArray) -> int:
+    """Note where a ring crosses a line, in metres along it, ascending; return the number."""
     ux, uy = line.ux, line.uy
     p = unsigned(index)
     ring = rings.corners[rings.starts[p] : rings.starts[p + unsigned(1)]]
@@ -234,19 +243,19 @@ def beside(
     >>> beside(segments, np.array([True]), lines, 1e-6)[0].tolist()
     [[0.0, 0.0, 1.0, 0.0], [3.0, 0.0, 4.0, 0.0]]
     """
-    covered = _Intervals(np.empty(lines.shape[0]), np.empty(lines.shape[0]))
+    covered = Intervals(np.empty(lines.shape[0]), np.empty(lines.shape[0]))
     room = max(16, 2 * segments.shape[0])
     while True:
-        found = _Remainders(np.empty((room, 4)), np.empty(room, np.int64))
+        found = Remainders(np.empty((room, 4)), np.empty(room, np.int64))
         kept = 0
         for i in range(segments.shape[0]):
             x0, y0, x1, y1 = segments[i, 0], segments[i, 1], segments[i, 2], segments[i, 3]
             length = np.hypot(x1 - x0, y1 - y0)
             count = 0
             if selected[i] and length > 0.0:
-                line = _Line(x0, y0, (x1 - x0) / length, (y1 - y0) / length, length)
+                line = Line(x0, y0, (x1 - x0) / length, (y1 - y0) / length, length)
                 count = _covered_by_lines(line, (x1, y1), lines, tolerance_m, covered)
-            kept = _add_remainders(
+            kept = add_remainders(
                 segments, i, (x1 - x0, y1 - y0), length, covered, count, found, kept
             )
         if kept <= room:
@@ -256,11 +265,11 @@ def beside(
 
 @inlined_kernel
 def _covered_by_lines(
-    line: _Line,
+    line: Line,
     line_end: tuple[float, float],
     lines: FloatArray,
     tolerance_m: float,
-    covered: _Intervals,
+    covered: Intervals,
 ) -> int:
     # Note the intervals of a line along which others lie, and return their number.
     left, right = min(line.x, line_end[0]) - tolerance_m, max(line.x, line_end[0]) + tolerance_m
@@ -284,13 +293,13 @@ def _covered_by_lines(
             abs(off_a + slope * (begin - a)) <= tolerance_m
             and abs(off_a + slope * (end - a)) <= tolerance_m
         ):
-            count = _insert(covered, count, begin, end)
+            count = insert_interval(covered, count, begin, end)
     return count
 
 
 @inlined_kernel
-def _insert(intervals: _Intervals, count: int, begin: float, end: float) -> int:
-    # Insert an interval into those that are sorted by their lower ends; return the new number.
+def insert_interval(intervals: Intervals, count: int, begin: float, end: float) -> int:
+    """Insert an interval into those that are sorted by their lower ends; return the new number."""
     low, high = intervals.low, intervals.high
     z = count - 1
     while z >= 0 and low[z] > begin:
@@ -301,19 +310,21 @@ def _insert(intervals: _Intervals, count: int, begin: float, end: float) -> int:
 
 
 @inlined_kernel
-def _add_remainders(
+def add_remainders(
     segments: FloatArray,
     i: int,
     direction: tuple[float, float],
     unit: float,
-    covered: _Intervals,
+    covered: Intervals,
     count: int,
-    found: _Remainders,
+    found: Remainders,
     kept: int,
 ) -> int:
-    # Write what intervals leave of segment i behind the `kept` remainders, as far as there is
-    # room; return the new number. A point at t metres along the segment is its origin plus
-    # t / unit times the direction.
+    """Write what intervals leave of segment i behind the `kept` remainders, if there is room.
+
+    Return the new number. A point at t metres along the segment is its origin plus t / unit times
+    the direction.
+    """
     x0, y0, x1, y1 = segments[i, 0], segments[i, 1], segments[i, 2], segments[i, 3]
     dx, dy = direction
     rest = found.rest

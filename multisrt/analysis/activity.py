@@ -41,7 +41,9 @@ class Spell(NamedTuple):
     activity: Activity
 
 
-def activities(recording: Recording, environment: Environment | None = None) -> list[list[Spell]]:
+def activities(
+    recording: Recording, environment: Environment | None = None, *, with_isolation: bool = True
+) -> list[list[Spell]]:
     """Return what each robot was doing at any time of a run.
 
     A robot is, the first that applies:
@@ -65,6 +67,9 @@ def activities(recording: Recording, environment: Environment | None = None) -> 
     environment : Environment, optional
         The world, if it has been built already; by default it is built from the recording where
         walls matter to the radio.
+    with_isolation : bool, optional
+        Whether ``cut off`` is an activity, which hides what the robot does meanwhile. Without it,
+        `multisrt.isolation` tells when robots were cut off.
 
     Returns
     -------
@@ -84,11 +89,12 @@ def activities(recording: Recording, environment: Environment | None = None) -> 
     spans: list[list[Spell]] = [[] for _ in recording.starts]
     for robot, spell in _spans_of_events(recording):
         spans[robot].append(spell)
-    cut_off = isolation(recording, environment)
     ways = tracks(recording)
     for robot, own in enumerate(spans):
-        own += [Spell(*spell, "cut off") for spell in cut_off[robot].spells]
         own += _moving(ways[robot])
+    if with_isolation:
+        for own, cut_off in zip(spans, isolation(recording, environment), strict=True):
+            own += [Spell(*spell, "cut off") for spell in cut_off.spells]
     _end(recording, ways, spans)
     _coordinate(recording, ways, spans)
     return [_partition(own, end_s) for own in spans]

@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import wraps
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from multisrt.cli import candidates
 from multisrt.cli.output_options import out_folder
 from multisrt.cli.own_map import OwnMap, map_options
-from multisrt.cli.running import Running, make_runs, print_gaps, running_options
+from multisrt.cli.running import Running, make_runs, missing_runs, print_gaps, running_options
 
 if TYPE_CHECKING:
     from multisrt.experiments.results import Results
+    from multisrt.experiments.spec import ExperimentSpec
     from multisrt.presets import Preset
-    from multisrt.reporting.claims import Claim
+    from multisrt.reporting.claims import Claim, PrintedTable
 
 STORE_NAME, REPORT_NAME, SUMMARY_NAME = "results.sqlite", "report", "summary.md"
 ABLATIONS = "-ablations"
@@ -24,6 +27,27 @@ ABLATIONS = "-ablations"
 
 RUNS_FAILED = 3
 """Exit code if a run is not a success."""
+
+
+@dataclass(frozen=True, slots=True)
+class Omitted:
+    """What is left out on request."""
+
+    ablations: bool
+    gallery: bool
+
+
+def omit_options(command: Callable[..., None]) -> Callable[..., None]:
+    """Add the options --no-ablations and --no-gallery, which the command takes as `omitted`."""
+
+    @wraps(command)
+    def with_omitted(*args: Any, no_ablations: bool, no_gallery: bool, **others: Any) -> None:
+        command(*args, omitted=Omitted(ablations=no_ablations, gallery=no_gallery), **others)
+
+    decorated = click.option(
+        "--no-gallery", is_flag=True, help="Omit the trees, which need some runs repeated."
+    )(with_omitted)
+    return click.option("--no-ablations", is_flag=True, help="Omit the ablations.")(decorated)
 
 
 @click.command()
@@ -46,7 +70,7 @@ RUNS_FAILED = 3
     metavar="FILE",
     help=f"File for the results.  [default: {STORE_NAME} in DIR]",
 )
-@click.option("--no-gallery", is_flag=True, help="Omit the trees, which need some runs repeated.")
+@omit_options
 def reproduce(
     name: str,
     *,
@@ -55,7 +79,7 @@ def reproduce(
     own_map: OwnMap | None,
     out: Path | None,
     store: Path | None,
-    no_gallery: bool,
+    omitted: Omitted,
     running: Running,
 ) -> None:
     """Repeat a paper's experiment and check its claims.
@@ -80,7 +104,8 @@ def reproduce(
       alvarez        20         7             40
 
     Ablations change one thing in a few conditions, to show what a difference from the paper does
-    or why a claim does not hold. They are run after the experiment, in its own worlds.
+    or why a claim does not hold. They are run after the experiment; with --map, only those of
+    sbx-r, which suit any world.
 
     \b
     Files written to DIR:
@@ -113,15 +138,10 @@ def reproduce(
     path = store or out / STORE_NAME
     _require_own_summary(out / SUMMARY_NAME, path)
     _make_folder(out)
-    run_s = preset.quick_run_s if quick else preset.run_s
-    results = make_runs(path, experiment, running=running, run_s=run_s)
-    ablated = None
-    if preset.ablations is not None and own_map is None:
-        ablated = make_runs(
-            path.with_name(f"{path.stem}{ABLATIONS}{path.suffix}"),
-            preset.ablations.experiment(preset.experiment(quick), quick=quick),
-            running=replace(running, reference=None),
-        )
+    ablations = None
+    if preset.ablations is not None and not omitted.ablations:
+        ablations = preset.ablations.experiment(preset.experiment(quick), quick=quick)
+    results, ablated = _make_both(path, experiment, ablations, preset, running, quick=quick)
     claims, tables = preset.claims(results), preset.tables(results)
     command = f"multisrt reproduce {name}{' --quick' * quick}"
     if own_map is not None:
@@ -130,6 +150,8 @@ def reproduce(
         command += f" --seeds {seeds}"
     if running.reference is not None:
         command += f" --reference {running.reference}"
+    if omitted.ablations:
+        command += " --no-ablations"
     text = summary(preset, results, command, claims=claims, tables=tables, ablations=ablated)
     with atomic_write(out / SUMMARY_NAME) as file:
         file.write(text.encode())
@@ -138,8 +160,8 @@ def reproduce(
             results,
             out / REPORT_NAME,
             claims=claims,
-            comparisons=tables,
-            gallery=not no_gallery,
+            comparisons=[*tables, *_ablation_tables(preset, ablated)],
+            gallery=not omitted.gallery,
             progress=live.say,
         )
     if not running.quiet:
@@ -147,6 +169,48 @@ def reproduce(
         click.echo(f"{page}\n{out / SUMMARY_NAME}")
     if any(result.failed for result in results):
         raise SystemExit(RUNS_FAILED)
+
+
+def _make_both(
+    path: Path,
+    experiment: ExperimentSpec,
+    ablations: ExperimentSpec | None,
+    preset: Preset,
+    running: Running,
+    *,
+    quick: bool,
+) -> tuple[Results, Results | None]:
+    """Execute the runs of an experiment, and those of its ablations in a store beside it."""
+    beside = path.with_name(f"{path.stem}{ABLATIONS}{path.suffix}")
+    ablation_s = None if preset.ablations is None else preset.ablations.run_s
+
+    def afterwards() -> tuple[int, float]:
+        if ablations is None or ablation_s is None:
+            return 0, 0.0
+        return missing_runs(beside, ablations), ablation_s
+
+    results = make_runs(
+        path,
+        experiment,
+        running=running,
+        run_s=preset.quick_run_s if quick else preset.run_s,
+        afterwards=afterwards,
+    )
+    if ablations is None:
+        return results, None
+    return results, make_runs(
+        beside,
+        ablations,
+        running=replace(running, reference=None),
+        run_s=ablation_s,
+        what="runs of ablations",
+    )
+
+
+def _ablation_tables(preset: Preset, ablated: Results | None) -> list[PrintedTable]:
+    if preset.ablations is None or ablated is None:
+        return []
+    return preset.ablations.tables(ablated)
 
 
 def _folder_name(name: str, quick: bool, own_map: OwnMap | None) -> str:

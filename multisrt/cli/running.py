@@ -112,6 +112,8 @@ def make_runs(
     running: Running,
     modules: Sequence[str] = (),
     run_s: float | None = None,
+    what: str = "runs",
+    afterwards: Callable[[], tuple[int, float]] | None = None,
 ) -> Results:
     """Execute the runs of an experiment that have no result yet.
 
@@ -129,6 +131,11 @@ def make_runs(
         Modules that workers import.
     run_s : float, optional
         Known computing time of a run, on average, in seconds; the expected time is then printed.
+    what : str
+        What the runs are called there.
+    afterwards : callable, optional
+        ``afterwards()`` returns the number of runs of ablations that follow, and the computing
+        time of each in seconds.
 
     Returns
     -------
@@ -159,7 +166,12 @@ def make_runs(
                 opened.forget()
             missing = opened.planned - opened.done
             if run_s is not None and missing and not running.quiet:
-                click.echo(expected_text(missing, opened.planned, run_s, running))
+                then = (0, 0.0) if afterwards is None else afterwards()
+                click.echo(
+                    expected_text(
+                        missing, opened.planned, run_s, running, what=what, afterwards=then
+                    )
+                )
             try:
                 with LiveProgress(not running.quiet) as live:
                     run_experiment(
@@ -186,7 +198,39 @@ def make_runs(
         raise
 
 
-def expected_text(missing: int, planned: int, run_s: float, running: Running) -> str:
+def missing_runs(path: Path, spec: ExperimentSpec) -> int:
+    """Return the number of runs of an experiment that have no result in a store.
+
+    Parameters
+    ----------
+    path : Path
+        The store, which need not exist.
+    spec : ExperimentSpec
+        The experiment.
+
+    Raises
+    ------
+    InvalidInputError
+        If the file holds another experiment.
+    """
+    from multisrt.experiments.crossing import conditions
+    from multisrt.experiments.store import Store
+
+    if not path.exists():
+        return len(conditions(spec)) * spec.repetitions
+    with Store.create_or_open(path, spec) as opened:
+        return opened.planned - opened.done
+
+
+def expected_text(
+    missing: int,
+    planned: int,
+    run_s: float,
+    running: Running,
+    *,
+    what: str = "runs",
+    afterwards: tuple[int, float] = (0, 0.0),
+) -> str:
     """Return how long the missing runs of an experiment take, in words.
 
     Parameters
@@ -197,21 +241,32 @@ def expected_text(missing: int, planned: int, run_s: float, running: Running) ->
         Computing time of a run, on average, in seconds.
     running : Running
         How the runs are executed.
+    what : str
+        What the runs are called.
+    afterwards : (int, float)
+        Number of runs of ablations that follow, and the computing time of each in seconds.
 
     Returns
     -------
     str
         One line.
     """
+    of_all = "" if missing == planned else f" of {planned}"
+    parts = [f"{missing}{of_all} {what}, {_effort(missing, run_s, running)}"]
+    if afterwards[0]:
+        parts.append(f"then {afterwards[0]} runs of ablations, {_effort(*afterwards, running)}")
+    return "; ".join((*parts, "an interrupted experiment continues with the same command"))
+
+
+def _effort(missing: int, run_s: float, running: Running) -> str:
     from multisrt.experiments.live import duration
     from multisrt.experiments.runner import cores
 
-    of_all = "" if missing == planned else f" of {planned}"
-    text = f"{missing}{of_all} runs, about {duration(missing * run_s)} of one core"
+    text = f"about {duration(missing * run_s)} of one core"
     workers = cores() if running.workers is None else max(1, running.workers)
     if running.cluster is None and workers > 1:
         text += f", {duration(missing * run_s / min(workers, missing))} with {workers} processes"
-    return f"{text}; an interrupted experiment continues with the same command"
+    return text
 
 
 def print_gaps(results: Results) -> None:

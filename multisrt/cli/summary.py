@@ -286,7 +286,7 @@ def _team_rows(run: Run, *, narrow: bool) -> Rows:
 def _isolation(run: Run) -> Rows:
     m = run.metrics
     rows = {
-        "a robot isolated for": f"{m.isolated_total_s:.1f} s",
+        "some robot isolated for": f"{m.isolated_total_s:.1f} s",
         "longest isolation": f"{m.isolated_longest_s:.1f} s",
     }
     if m.isolated_total_s and m.beyond_range_m is not None:

@@ -62,6 +62,8 @@ def in_words(event: AnyEvent) -> str:
     """
     match event:
         case NodeAdded():
+            if event.stage == "scan":
+                return f"scan {event.serial} showed something new"
             return f"added node {event.serial} ({stage_name(event.stage)})"
         case Decision():
             return f"decided: {choice_line(event)}"

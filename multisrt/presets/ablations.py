@@ -8,8 +8,8 @@ have no verdicts.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import msgspec
 import numpy as np
@@ -17,11 +17,12 @@ import numpy as np
 from multisrt.experiments.crossing import Condition, conditions
 from multisrt.experiments.measures import Measure
 from multisrt.experiments.results import Result, Results
-from multisrt.experiments.spec import Block, ExperimentSpec
-from multisrt.presets.cells import Comparison, Family
+from multisrt.experiments.spec import Block, ExperimentSpec, StrategyChoice
+from multisrt.presets.cells import Cells, Comparison, Family
 from multisrt.presets.findings import weigh_family
 from multisrt.presets.words import number, p_text
 from multisrt.reporting.claims import PrintedTable
+from multisrt.spec import Scalar
 from multisrt.statistics.summaries import median
 
 NOTE = (
@@ -33,28 +34,81 @@ NOTE = (
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Topic:
+    """What some ablations ask about. They make one table.
+
+    Attributes
+    ----------
+    title : str
+        Title of the table.
+    measures : tuple of Measure
+        What is shown.
+    claims : tuple of str
+        Texts of the claims of which the ablations ask why they do not hold.
+    """
+
+    title: str
+    measures: tuple[Measure, ...]
+    claims: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Ablation:
     """One change of an experiment, and the conditions in which it is made.
 
     Attributes
     ----------
-    topic : str
-        What the change asks about: a claim, or the differences from the paper. Ablations of one
-        topic make one table.
+    topic : Topic
+        What the change asks about.
     change : str
         What is changed, as a row of the table names it.
     base, changed : Block
         Conditions without and with the change, in the same order. Those with the change need
         labels of their own.
-    measures : tuple of Measure
-        What is shown; the same for all ablations of a topic.
+    is_quick : bool
+        Whether it is part of a quick experiment, too.
     """
 
-    topic: str
+    topic: Topic
     change: str
     base: Block
     changed: Block
-    measures: tuple[Measure, ...]
+    is_quick: bool = True
+
+    def pairs(self, experiment: ExperimentSpec) -> list[tuple[Condition, Condition]]:
+        """Return each condition without the change, and the same one with it.
+
+        Parameters
+        ----------
+        experiment : ExperimentSpec
+            The experiment from which choices are taken that the blocks do not have.
+        """
+        base, changed = (
+            conditions(msgspec.structs.replace(experiment, blocks=(block,), exclude=()))
+            for block in (self.base, self.changed)
+        )
+        return list(zip(base, changed, strict=True))
+
+
+def with_options(
+    choice: StrategyChoice, change: str, options: Mapping[str, Scalar]
+) -> StrategyChoice:
+    """Return a strategy with other options, and with a label that names the change.
+
+    Examples
+    --------
+    >>> print(with_options(StrategyChoice(name="minpos"), "to the target", {"replan": "target"}))
+    StrategyChoice(name='minpos', label='minpos, to the target', options={'replan': 'target'})
+    """
+    return StrategyChoice(
+        name=choice.name,
+        label=f"{choice.label or choice.name}, {change}",
+        options={**choice.options, **options},
+    )
+
+
+OwnTables = Callable[[Cells, Sequence[Ablation]], list[PrintedTable]]
+"""Function that returns tables of its own for the runs and the ablations of an experiment."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -68,6 +122,11 @@ class Ablations:
     repetitions, quick_repetitions : int
         Repetitions of each condition in the whole experiment and in a quick one. Six is the
         smallest number with which a difference between pairs can be significant.
+    own_tables : callable, optional
+        ``own_tables(cells, changes)`` returns tables that come before those of the topics, where
+        a paper's quantity is not a measure of a run.
+    run_s : float or None
+        Computing time of a run, on average, in seconds of one core; None if it is not known.
 
     Examples
     --------
@@ -81,6 +140,15 @@ class Ablations:
     changes: tuple[Ablation, ...]
     repetitions: int
     quick_repetitions: int
+    own_tables: OwnTables | None = None
+    run_s: float | None = None
+
+    @property
+    def names_no_world(self) -> bool:
+        """Whether all ablations are made in the worlds of the experiment, whichever they are."""
+        return all(
+            block.environments is None for one in self.changes for block in (one.base, one.changed)
+        )
 
     def experiment(self, whole: ExperimentSpec, *, quick: bool) -> ExperimentSpec:
         """Return the experiment that has the runs of all ablations.
@@ -90,25 +158,59 @@ class Ablations:
         whole : ExperimentSpec
             The preset's experiment, from which everything else is taken.
         quick : bool
-            Whether to make fewer repetitions.
+            Whether to make fewer repetitions, of fewer ablations.
 
         Returns
         -------
         ExperimentSpec
             An experiment of blocks, in which conditions that several ablations share are run once.
         """
+        changes = [one for one in self.changes if one.is_quick or not quick]
         return msgspec.structs.replace(
             whole,
             name=f"{whole.name.removesuffix(' quick')} ablations{' quick' * quick}",
             about=f"What differences do: {whole.about}",
-            blocks=tuple(block for one in self.changes for block in (one.base, one.changed)),
+            blocks=tuple(block for one in changes for block in (one.base, one.changed)),
             exclude=(),
             repetitions=self.quick_repetitions if quick else self.repetitions,
             recordings="none",
         )
 
+    def made_in(self, experiment: ExperimentSpec) -> Ablations:
+        """Return the ablations without those that an experiment does not have.
+
+        Parameters
+        ----------
+        experiment : ExperimentSpec
+            The whole experiment of ablations, or the quick one.
+        """
+        asked = {*conditions(experiment)}
+        return replace(
+            self,
+            changes=tuple(
+                one
+                for one in self.changes
+                if {at for pair in one.pairs(experiment) for at in pair} <= asked
+            ),
+        )
+
+    def asking_why(self, claim: str) -> list[Ablation]:
+        """Return the ablations that ask why a claim does not hold.
+
+        Parameters
+        ----------
+        claim : str
+            Text of the claim.
+
+        Returns
+        -------
+        list of Ablation
+            The ablations, of which several may be the same change in other conditions.
+        """
+        return [one for one in self.changes if claim in one.topic.claims]
+
     def tables(self, results: Results) -> list[PrintedTable]:
-        """Return a table for each topic, with a row for each change and condition.
+        """Return the preset's own tables, and one for each topic.
 
         Parameters
         ----------
@@ -118,40 +220,34 @@ class Ablations:
         Returns
         -------
         list of PrintedTable
-            The tables, in the order of the topics' first ablations.
+            The tables, in the order of the topics' first ablations. Those of topics have a row
+            for each change and condition.
         """
-        runs: dict[Condition, dict[int, Result]] = {}
-        for result in results:
-            runs.setdefault(result.condition, {})[result.repetition] = result
-        topics = dict.fromkeys(one.topic for one in self.changes)
+        cells = Cells(results)
+        changes = self.made_in(results.experiment).changes
+        topics = {one.topic.title: one.topic for one in changes}
+        own = [] if self.own_tables is None else self.own_tables(cells, changes)
         return [
-            _table(topic, [one for one in self.changes if one.topic == topic], results, runs)
-            for topic in topics
+            *own,
+            *(
+                _table(topic, [one for one in changes if one.topic == topic], cells)
+                for topic in topics.values()
+            ),
         ]
 
 
-def _table(
-    topic: str,
-    changes: Sequence[Ablation],
-    results: Results,
-    runs: dict[Condition, dict[int, Result]],
-) -> PrintedTable:
-    measures = changes[0].measures
+def _table(topic: Topic, changes: Sequence[Ablation], cells: Cells) -> PrintedTable:
     rows = []
     for one in changes:
-        base, changed = (
-            conditions(msgspec.structs.replace(results.experiment, blocks=(block,)))
-            for block in (one.base, one.changed)
-        )
-        for before, after in zip(base, changed, strict=True):
-            of = runs.get(before, {}), runs.get(after, {})
-            fields = [_field(measure, *of) for measure in measures]
+        for before, after in one.pairs(cells.experiment):
+            of = cells.by_repetition(before), cells.by_repetition(after)
+            fields = [_field(measure, *of) for measure in topic.measures]
             pairs = len(of[0].keys() & of[1].keys())
             rows.append((one.change, _where(before), str(pairs), _successes(*of), *fields))
     return PrintedTable(
-        title=topic,
+        title=topic.title,
         source="",
-        columns=("change", "where", "pairs", "successful", *(m.heading for m in measures)),
+        columns=("change", "where", "pairs", "successful", *(m.heading for m in topic.measures)),
         rows=tuple(rows),
         note=NOTE,
     )
@@ -164,14 +260,14 @@ def _where(at: Condition) -> str:
     return f"{at.environment}, {at.strategy}, {size}, {at.starts}, {at.radio} radio"
 
 
-def _successes(before: dict[int, Result], after: dict[int, Result]) -> str:
+def _successes(before: Mapping[int, Result], after: Mapping[int, Result]) -> str:
     return " → ".join(
         f"{sum(run.success for run in side.values())} of {len(side)}" if side else "-"
         for side in (before, after)
     )
 
 
-def _field(measure: Measure, before: dict[int, Result], after: dict[int, Result]) -> str:
+def _field(measure: Measure, before: Mapping[int, Result], after: Mapping[int, Result]) -> str:
     """Return the medians of both sides, and the difference with its p-value where there is one."""
     sides = [{k: _value(measure, run) for k, run in side.items()} for side in (before, after)]
     if not (sides[0].keys() & sides[1].keys()):

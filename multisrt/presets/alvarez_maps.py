@@ -39,6 +39,11 @@ class Scenario:
     parameters: dict[str, Scalar]
 
     @property
+    def was_seen(self) -> bool:
+        """Whether single runs on our map had been looked at when it was chosen."""
+        return self.name == "maze"
+
+    @property
     def label(self) -> str:
         """Label of our map in tables."""
         return f"scenario {self.number} ({self.name})"

@@ -133,6 +133,7 @@ class Cells:
     """
 
     def __init__(self, results: Results) -> None:
+        self.experiment = results.experiment
         self._runs: dict[Condition, dict[int, Result]] = {
             condition: {} for condition in conditions(results.experiment)
         }
@@ -145,11 +146,15 @@ class Cells:
 
     def of(self, condition: Condition) -> list[Result]:
         """Return the runs of a condition."""
-        return list(self._runs.get(condition, {}).values())
+        return list(self.by_repetition(condition).values())
+
+    def by_repetition(self, condition: Condition) -> Mapping[int, Result]:
+        """Return the runs of a condition by repetition."""
+        return self._runs.get(condition, {})
 
     def values(self, condition: Condition, measure: Measure) -> dict[int, float]:
         """Return a measure of the runs of a condition by repetition; failed runs are infinite."""
-        runs = self._runs.get(condition, {})
+        runs = self.by_repetition(condition)
         return dict(zip(runs, measure.values(runs.values()), strict=True))
 
     def compared(

@@ -32,12 +32,15 @@ class Laws(NamedTuple):
         Means by team size.
     beside : dict from int to float
         Means by the quantity that is shown beside; empty without one.
+    was_seen : bool
+        Whether single runs on the map had been looked at when it was chosen.
     """
 
     label: str
     printed: float
     means: Mapping[int, float]
     beside: Mapping[int, float]
+    was_seen: bool = False
 
 
 class Quantity(NamedTuple):
@@ -56,6 +59,11 @@ class Quantity(NamedTuple):
     name: str
     beside: str
     band: tuple[float, float]
+
+    @property
+    def claim(self) -> str:
+        """Text of the claim on its exponents."""
+        return f"On each map the {self.name} falls with team size by the printed exponent."
 
     @property
     def margin(self) -> float:
@@ -97,9 +105,9 @@ def falls_as_printed(what: Quantity, maps: Sequence[Laws]) -> Claim:
         apart = student([of.value - one.printed for one, of in fits])
         decision = _verdict(apart, what.margin)
         grounds += _grounds(what, fits, apart)
-        if decision == "not significant":
-            half = apart.high - apart.value
-            would_show = f"a mean difference of {half:.3f} would have been significant"
+        grounds += _unseen(fits)
+        half = apart.high - apart.value
+        would_show = f"a mean difference of {half:.3f} would have been significant"
     else:
         grounds.append(
             f"a verdict needs {MIN_MAPS} maps with a printed exponent, each with three team sizes "
@@ -109,7 +117,7 @@ def falls_as_printed(what: Quantity, maps: Sequence[Laws]) -> Claim:
     if len(beside) > 1:
         grounds.append(f"{what.beside}: {interval_text(student(beside))} on average")
     return Claim(
-        text=f"On each map the {what.name} falls with team size by the printed exponent.",
+        text=what.claim,
         source="Álvarez, Table 4.1",
         verdict=decision,
         grounds=tuple(grounds),
@@ -145,6 +153,17 @@ def _grounds(
             if saying == "against"
         ),
     )
+
+
+def _unseen(fits: Sequence[tuple[Laws, Interval]]) -> list[str]:
+    unseen = [of.value - one.printed for one, of in fits if not one.was_seen]
+    seen = len(fits) - len(unseen)
+    if not seen or len(unseen) < MIN_MAPS:
+        return []
+    return [
+        f"without the {seen} maps that were chosen after single runs: "
+        f"{interval_text(student(unseen))} over {len(unseen)} maps"
+    ]
 
 
 def says(exponent: Interval, printed: float) -> Saying:

@@ -121,15 +121,18 @@ def judge(
     """
     comparisons, quantity = family.comparisons, family.quantity
     findings = weigh(comparisons)
-    decided = _decide(family, findings, scope)
+    whole = weigh_family(family)
+    decided = _decide(family, whole, findings, scope)
+    limit = _limit(family, whole, scope) if decided != "not tested" else None
+    where = " in one cell" * (scope == "somewhere")
     grounds = []
-    if decided.family is not None:
-        grounds += [family_line(decided.family, sides), count_line(findings, so, otherwise)]
-    if decided.power:
-        grounds.append(decided.power)
+    if whole is not None:
+        grounds += [family_line(whole, sides), count_line(findings, so, otherwise)]
+    if limit is not None:
+        grounds.append(power_line(limit, family.quantity) + where)
     if not comparisons:
         grounds.append("the experiment has no runs that the claim refers to")
-    elif decided.verdict == "not tested":
+    elif decided == "not tested":
         grounds.append("too few runs: no difference can be significant")
     missing = len(comparisons) - len(findings)
     if missing:
@@ -137,10 +140,11 @@ def judge(
     if findings:
         grounds.append(method_line(findings))
     if beside is not None:
-        other = _decide(beside, weigh(beside.comparisons), scope)
-        if other.family is not None:
+        other = weigh_family(beside)
+        if other is not None:
+            verdict_beside = _decide(beside, other, weigh(beside.comparisons), scope)
             grounds.append(
-                f"{beside.quantity.heading}: {other.verdict}; {family_line(other.family, sides)}"
+                f"{beside.quantity.heading}: {verdict_beside}; {family_line(other, sides)}"
             )
     shown = (
         findings if len(findings) <= MAX_SHOWN else [f for f in findings if f.saying == "against"]
@@ -150,38 +154,25 @@ def judge(
         claim=Claim(
             text=text,
             source=source,
-            verdict=decided.verdict,
+            verdict=decided,
             grounds=tuple(grounds),
-            would_show=decided.would_show,
+            would_show="" if limit is None else would_show(limit) + where,
         ),
-        table=cells_table(text, decided.family, findings, quantity, sides),
+        table=cells_table(text, whole, findings, quantity, sides),
     )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Decided:
-    family: FamilyFinding | None
-    verdict: Verdict
-    would_show: str = ""
-    power: str = ""
+def _decide(
+    family: Family, whole: FamilyFinding | None, findings: Sequence[Finding], scope: Scope
+) -> Verdict:
+    if whole is None or not could_be_significant(family, scope):
+        return "not tested"
+    return verdict(whole.saying, [finding.saying for finding in findings], scope)
 
 
-def _decide(family: Family, findings: Sequence[Finding], scope: Scope) -> _Decided:
-    found = weigh_family(family)
-    if found is None or not could_be_significant(family, scope):
-        return _Decided(family=found, verdict="not tested")
-    decision = verdict(found.saying, [finding.saying for finding in findings], scope)
-    if decision != "not significant":
-        return _Decided(family=found, verdict=decision)
-    where, limit = "", found
-    if scope == "somewhere":
-        where, limit = " in one cell", _median_cell(family)
-    return _Decided(
-        family=found,
-        verdict=decision,
-        would_show=would_show(limit) + where,
-        power=power_line(limit, family.quantity) + where,
-    )
+def _limit(family: Family, whole: FamilyFinding | None, scope: Scope) -> FamilyFinding | None:
+    """Return the test whose smallest difference is that of the claim."""
+    return _median_cell(family) if scope == "somewhere" else whole
 
 
 def _median_cell(family: Family) -> FamilyFinding:

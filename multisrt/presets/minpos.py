@@ -9,19 +9,33 @@ import numpy as np
 from multisrt.experiments.results import Results
 from multisrt.presets.cells import Comparison, Family
 from multisrt.presets.judging import Judged, judge
+from multisrt.presets.minpos_ablations import ABLATIONS, APART, TARGETS, WIDE
+from multisrt.presets.minpos_claims import (
+    BEFORE_GREEDY,
+    FASTER,
+    LARGEST_GAINS,
+    MEAN_GAINS,
+    MORE_IN_MAZES,
+    MORE_WITH_MORE_ROBOTS,
+    ON_AVERAGE,
+    SOURCE,
+    UP_TO,
+)
 from multisrt.presets.minpos_experiment import (
+    BODY,
     CELL_M,
     CLOSEST,
-    DEVIATIONS,
     GREEDY,
     HOSPITAL,
     MAZE,
+    MAZE_CELLS,
+    MAZE_M,
     MINPOS,
-    PLAIN,
+    RANGE_M,
     RULES,
+    SCAN_STEPS,
+    SPEED_M_S,
     STEP_S,
-    VARIANT_TEAM,
-    VARIANTS,
     WORLDS,
     experiment,
     for_hospital,
@@ -34,20 +48,58 @@ from multisrt.presets.minpos_gains import (
     Times,
     complete,
     gain,
+    gain_text,
     reaches,
 )
-from multisrt.presets.preset import Preset
+from multisrt.presets.preset import WORLD, Deviation, Preset
 from multisrt.reporting.claims import Claim, PrintedTable, Verdict
 from multisrt.statistics.intervals import LEVEL, Interval
 from multisrt.statistics.ratios import POWER, smallest_reduction
 
-MEAN_GAINS = {GREEDY: 8.0, MINPOS: 12.0}
-"""Mean gains on closest in the paper, in percent (section V A)."""
+DEVIATIONS = (
+    Deviation(
+        f"Mazes: perfect mazes of {MAZE_M:g} x {MAZE_M:g} m with {MAZE_CELLS} x {MAZE_CELLS} "
+        "cells, one for each repetition. The paper's are not available."
+    ),
+    Deviation(
+        f"{WORLD} a generated hospital of 143.6 x 60 m. That of the paper is one of Player/Stage, "
+        "140 x 60 m; `--map` takes that file, or another one, in its place."
+    ),
+    Deviation(
+        f"Robots: discs of 0.4 m ({BODY}) that drive in any direction, on cells of {CELL_M:g} m; "
+        "in the paper they are as wide as a cell, which would close some doors here. "
+        f"{SPEED_M_S:g} m/s, so that a step from cell to cell takes {STEP_S:g} s; range finders "
+        f"{RANGE_M:g} m, exact; a radio of unlimited range. The paper gives no range."
+    ),
+    Deviation(
+        "Robots obstruct each other where two cannot pass: bodies have a size, and robots give "
+        "way. Doors and corridors have room for two. The paper does not say whether its simulated "
+        "robots obstruct each other.",
+        (WIDE,),
+    ),
+    Deviation(
+        "Starts: close together, as in the paper (section II), which does not say where. Here the "
+        "configuration of the first robot is drawn in each repetition and the others stand around "
+        "it. All strategies have the same starts and worlds.",
+        (APART,),
+    ),
+    Deviation(
+        "The paper gives neither team sizes nor the number of runs in its text, and times as "
+        "curves only: there are no printed figures for single team sizes."
+    ),
+    Deviation(
+        f"All strategies take a scan every fourth step ({SCAN_STEPS * STEP_S:g} s, "
+        f"{SCAN_STEPS * CELL_M:g} m), and choose again if it shows news. In the paper time is "
+        "discrete, and robots sense and choose at steps.",
+        (TARGETS,),
+    ),
+    Deviation(
+        "An exploration ends when one of the robots has a complete map, as in the paper (section "
+        "II). The claims are judged by the time until all are done as well, and both are shown."
+    ),
+)
 
-LARGEST_GAINS = {HOSPITAL: 15.0, MAZE: 20.0}
-"""Maximum gains of greedy and minpos on closest in the paper, in percent (section V A)."""
 
-SOURCE = "MinPos, section V A, Figures 9 and 10"
 # Claims -------------------------------------------------------------------------------------
 
 
@@ -77,7 +129,6 @@ def tables(results: Results) -> list[PrintedTable]:
     both = both_times(results)
     return [
         *(gains(times) for times in both),
-        *variants(results),
         times_table(both[0]),
         *(judged.table for judged in (*_faster(both), *_others(both))),
     ]
@@ -95,7 +146,7 @@ def _faster(both: BothTimes) -> list[Judged]:
         )
         found.append(
             judge(
-                f"{strategy} is faster than closest.",
+                FASTER[strategy],
                 SOURCE,
                 judged,
                 scope="mostly",
@@ -118,11 +169,11 @@ def mean_gain(both: BothTimes, strategy: str) -> Claim:
     found, home = (times.family_gain(times.places, strategy, CLOSEST) for times in both)
     means = gain(both[0].over_closest(strategy))
     return Claim(
-        text=f"On average {strategy} shortens the exploration by {printed:g} %, against closest.",
+        text=ON_AVERAGE[strategy],
         source="MinPos, section V A",
         verdict=reaches(found, printed),
         grounds=(*_told(found, printed), *_mean_told(means), *_told_beside(home)),
-        would_show=_would_show(found, reaches(found, printed)),
+        would_show=_would_show(found),
     )
 
 
@@ -139,11 +190,11 @@ def largest_gain(both: BothTimes, world: str) -> Claim:
     if best:
         grounds.append(f"the largest gain is that of {best}")
     return Claim(
-        text=f"In the {world} the exploration gets up to {printed:g} % shorter, against closest.",
+        text=UP_TO[world],
         source="MinPos, section V A",
         verdict=reaches(found, printed),
         grounds=(*grounds, *_told_beside(home)),
-        would_show=_would_show(found, reaches(found, printed), level),
+        would_show=_would_show(found, level),
     )
 
 
@@ -172,11 +223,11 @@ def before_greedy(both: BothTimes) -> Claim:
         verdict = "holds" if found.low > 0.0 else "not significant"
         verdict = "does not hold" if found.high < 0.0 else verdict
     return Claim(
-        text="On average minpos is slightly faster than greedy.",
+        text=BEFORE_GREEDY,
         source="MinPos, section V A",
         verdict=verdict,
         grounds=(*_told(found, None), *_mean_told(means), *_told_beside(home)),
-        would_show=_would_show(found, verdict),
+        would_show=_would_show(found),
     )
 
 
@@ -201,7 +252,7 @@ def more_with_more_robots(both: BothTimes) -> Judged:
         for times in both
     )
     return judge(
-        "The larger the team, the more greedy and minpos gain on closest.",
+        MORE_WITH_MORE_ROBOTS,
         SOURCE,
         judged,
         scope="mostly",
@@ -234,7 +285,7 @@ def more_in_mazes(both: BothTimes) -> Judged:
         for times in both
     )
     return judge(
-        "Minpos gains more on greedy in mazes than in the hospital.",
+        MORE_IN_MAZES,
         SOURCE,
         judged,
         scope="mostly",
@@ -284,6 +335,8 @@ def _told(
             f"of experiments with this spread, {100.0 * POWER:.0f} % would find a true gain of "
             f"{100.0 * share:.1f} %"
         )
+    else:
+        told.append("with this spread no gain, however large, would have been detected")
     return told
 
 
@@ -307,9 +360,11 @@ def _detectable(found: Interval, level: float) -> float:
     return smallest_reduction(Interval(value, low, high), power=POWER, level=level)
 
 
-def _would_show(found: Interval | None, verdict: Verdict, level: float = LEVEL) -> str:
-    if found is None or verdict != "not significant":
+def _would_show(found: Interval | None, level: float = LEVEL) -> str:
+    if found is None:
         return ""
+    if _detectable(found, level) >= 1.0:
+        return "no gain would have been detected in these runs"
     return f"a gain of {100.0 * _detectable(found, level):.1f} % would have been detected"
 
 
@@ -323,9 +378,9 @@ def gains(times: Times) -> PrintedTable:
     for world, robots in times.places:
         ratios = [times.ratios(world, robots, strategy, CLOSEST) for strategy in both]
         pairs = "/".join(str(len(complete(of))) for of in ratios)
-        rows.append((world, str(robots), *(_cell(gain([of])) for of in ratios), pairs))
+        rows.append((world, str(robots), *(gain_text(gain([of])) for of in ratios), pairs))
     means = [gain(times.over_closest(strategy)) for strategy in both]
-    rows.append(("mean of all", "", *map(_cell, means), ""))
+    rows.append(("mean of all", "", *map(gain_text, means), ""))
     rows.append(("paper: mean", "", *(f"{MEAN_GAINS[s]:+.1f}" for s in both), ""))
     for world in WORLDS:
         text = f"{LARGEST_GAINS[world]:+.1f} by the better one"
@@ -337,27 +392,6 @@ def gains(times: Times) -> PrintedTable:
         rows=tuple(rows),
         note="With 95 % intervals, over repetitions in which both runs are complete.",
     )
-
-
-def variants(results: Results) -> list[PrintedTable]:
-    """Return the gains on closest under variants of the experiment; none if there are none."""
-    asked = {one: Times(results, TIME, one) for one in VARIANTS}
-    if not any(times.teams for times in asked.values()):
-        return []
-    rows = []
-    for one, times in {PLAIN: Times(results), **asked}.items():
-        ratios = [times.ratios(MAZE, VARIANT_TEAM, rule, CLOSEST) for rule in (GREEDY, MINPOS)]
-        pairs = "/".join(str(len(complete(of))) for of in ratios)
-        rows.append((one.title, *(_cell(gain([of])) for of in ratios), pairs))
-    return [
-        PrintedTable(
-            title=f"What gains depend on: maze, {VARIANT_TEAM} robots",
-            source=SOURCE,
-            columns=("variant", GREEDY, MINPOS, "pairs"),
-            rows=tuple(rows),
-            note=f"Gains on closest (percent) with 95 % intervals. {TIME.title}.",
-        )
-    ]
 
 
 def times_table(times: Times) -> PrintedTable:
@@ -379,12 +413,6 @@ def times_table(times: Times) -> PrintedTable:
     )
 
 
-def _cell(found: Interval | None) -> str:
-    if found is None:
-        return "-"
-    return f"{found.value:+.1f} ({found.low:+.1f} to {found.high:+.1f})"
-
-
 MINPOS_PRESET = Preset(
     name="minpos",
     about="MinPos, greedy and the closest frontier in mazes and a hospital, by team size",
@@ -397,4 +425,5 @@ MINPOS_PRESET = Preset(
     run_s=11.5,
     quick_run_s=6.0,
     on_map=for_hospital,
+    ablations=ABLATIONS,
 )

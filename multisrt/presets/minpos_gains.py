@@ -18,7 +18,7 @@ from multisrt.experiments.results import Results
 from multisrt.geometry.numerics.arrays import FloatArray
 from multisrt.presets.cells import Cells, Comparison, Family
 from multisrt.presets.findings import weigh_family
-from multisrt.presets.minpos_experiment import CLOSEST, PLAIN, WORLDS, Variant
+from multisrt.presets.minpos_experiment import CLOSEST, WORLDS
 from multisrt.reporting.claims import Verdict
 from multisrt.statistics.intervals import LEVEL, Interval, bootstrap
 
@@ -41,17 +41,13 @@ class Times:
         Results of the experiment, which may be incomplete.
     measure : Measure
         Which time.
-    variant : Variant
-        With which robots and options.
     """
 
-    def __init__(self, results: Results, measure: Measure = TIME, variant: Variant = PLAIN) -> None:
+    def __init__(self, results: Results, measure: Measure = TIME) -> None:
         self.cells = Cells(results)
         self.measure = measure
         self._at: dict[tuple[str, str, int], Condition] = {
-            (at.environment, rule, at.robots): at
-            for at in self.cells.conditions()
-            if (rule := variant.rule(at))
+            (at.environment, at.strategy, at.robots): at for at in self.cells.conditions()
         }
         self.teams = sorted({robots for _, _, robots in self._at if robots > 1})
         self.places = [(world, robots) for world in WORLDS for robots in self.teams]
@@ -72,12 +68,8 @@ class Times:
 
     def ratios(self, world: str, robots: int, strategy: str, rival: str) -> Ratios:
         """Return the logarithms of the ratios of both times, without pairs of two failed runs."""
-        both = self.compared(world, robots, strategy, rival)
-        return {
-            repetition: float(np.log(ours) - np.log(rivals))
-            for repetition, ours, rivals in zip(both.repetitions, *both.pairs, strict=True)
-            if np.isfinite(ours) or np.isfinite(rivals)
-        }
+        ours, theirs = (self._at[world, one, robots] for one in (strategy, rival))
+        return ratios_of(self.cells, self.measure, ours, theirs)
 
     def family_gain(
         self,
@@ -114,6 +106,19 @@ class Times:
         return [self.ratios(*at, strategy, CLOSEST) for at in self.places]
 
 
+def ratios_of(cells: Cells, measure: Measure, ours: Condition, theirs: Condition) -> Ratios:
+    """Return the logarithms of the ratios of the times under two conditions.
+
+    Pairs of two failed runs are left out.
+    """
+    both = cells.compared("", lower=ours, higher=theirs, measure=measure)
+    return {
+        repetition: float(np.log(of_ours) - np.log(of_theirs))
+        for repetition, of_ours, of_theirs in zip(both.repetitions, *both.pairs, strict=True)
+        if np.isfinite(of_ours) or np.isfinite(of_theirs)
+    }
+
+
 def gain(cells: Sequence[Ratios], level: float = LEVEL) -> Interval | None:
     """Return a gain in percent with its interval; None if a condition has too few pairs.
 
@@ -142,6 +147,13 @@ def gain(cells: Sequence[Ratios], level: float = LEVEL) -> Interval | None:
 def complete(ratios: Ratios) -> Ratios:
     """Return the ratios of pairs in which neither run failed."""
     return {repetition: ratio for repetition, ratio in ratios.items() if np.isfinite(ratio)}
+
+
+def gain_text(found: Interval | None) -> str:
+    """Return a gain in percent with its interval as text."""
+    if found is None:
+        return "-"
+    return f"{found.value:+.1f} ({found.low:+.1f} to {found.high:+.1f})"
 
 
 def _percent(log_ratios: FloatArray) -> FloatArray:

@@ -13,11 +13,34 @@ from multisrt.experiments.results import Result, Results
 from multisrt.experiments.spec import ExperimentSpec, Only
 from multisrt.presets.cells import Cells, Family
 from multisrt.presets.judging import Judged, judge
-from multisrt.presets.multi_srt_ablations import ABLATIONS, LIMITED, RADIAL, RADIO_RANGE_M, STAR
-from multisrt.presets.preset import Preset
+from multisrt.presets.multi_srt_ablations import (
+    ABLATIONS,
+    DISTANCE_GROWS,
+    FOUR_BODIES,
+    IN_CONTACT,
+    KNOWN,
+    LIMITED,
+    NEAREST_OPEN,
+    NO_CUTS,
+    NO_GAPS,
+    NO_TAKE_OVER,
+    NONE_SUPPORTED,
+    OPEN_ENTRY,
+    PAPERS_PLANNER_ALONE,
+    PLANNER_TELLS,
+    RADIAL,
+    RADIO_RANGE_M,
+    STAR,
+    TAKES_LONGER,
+    TIME,
+    TIMES,
+    TWO_BODIES,
+)
+from multisrt.presets.preset import Deviation, Preset
 from multisrt.presets.words import failed_runs, number
 from multisrt.reporting.claims import Claim, PrintedTable, Verdict
 from multisrt.spec import RangeFinderSpec, StopRule
+from multisrt.statistics.ratios import POWER
 from multisrt.statistics.summaries import median
 
 WORLDS = ("garden", "clutter")
@@ -30,34 +53,81 @@ MAX_TIME_S = 14_400.0
 MAX_LISTED = 10
 """Upper bound of the runs that the grounds of a claim name one by one."""
 
-TIME, KNOWN = measure_named("makespan_s"), measure_named("known_complete_s")
-"""The times by which the claims are judged: one or the other is the paper's exploration time."""
-
-TIMES = {TIME: "until all are home", KNOWN: "until a robot knows the map complete"}
-"""Both of them, as claims name them."""
-
 DISTANCE = measure_named("total_distance_m")
 OTHERS = tuple(map(measure_named, ("waiting_time_s", "overlap_share", "coverage", "deadlocks")))
 
 SOURCE = "Multi-SRT, section 3 (simulation results), Figure 7"
 
 DEVIATIONS = (
-    "Worlds: the garden and the clutter of the catalog, with their default parameters. The paper "
-    "describes and shows its two square worlds, but gives no sizes.",
-    f"Robots: discs of 0.25 m, differential, 0.5 m/s; range finders {RANGE_M:g} m, exact. The "
-    "paper does not specify its robots.",
-    f"Radio: unlimited, or {RADIO_RANGE_M:g} m and relayed. The paper does not give its limited "
-    "range.",
-    "A single robot starts where the world suggests; its runs are made once, as neither starts "
-    "nor radio affect it.",
-    "Time: the paper does not define its exploration time. Its explorations end at the roots "
-    "(section 2), so that the time until all robots are home is the likely one; each claim on "
-    "times is judged by the time until a robot knows the map complete as well.",
-    "The paper averages 20 runs and shows curves only: there are no printed figures for "
-    "comparison, and no tests.",
-    "Planning has two stages beyond the paper's, without which explorations end with unseen "
-    "rooms: an approach to frontiers that no random draw reaches, and at the root a path back to "
-    "frontiers left open.",
+    Deviation(
+        "Planning has two stages beyond the paper's, without which explorations end with unseen "
+        "rooms: an approach to frontiers that no random draw reaches, and at the root a path back "
+        "to frontiers left open. Frontier that no reachable place can open is closed, so that an "
+        "exploration ends with its map known complete.",
+        (PAPERS_PLANNER_ALONE, PLANNER_TELLS),
+    ),
+    Deviation(
+        "d_min, the minimum distance between nodes, is the body's width. The paper gives no value.",
+        (TWO_BODIES, FOUR_BODIES),
+    ),
+    Deviation(
+        "Gaps count as frontier: the edges of what a corner hides. The paper does not say.",
+        (NO_GAPS,),
+    ),
+    Deviation(
+        "Cuts count as frontier: where a cone of a star ends before an obstacle that stands in "
+        "another part of it. The paper has no such frontier; its obstacle would hide all doors "
+        "that are narrower than a cone.",
+        (NO_CUTS,),
+    ),
+    Deviation(
+        "From a node with nothing to do robots go back step by step to the parent, as in the "
+        "paper. The option of going straight to the nearest node with a frontier is off.",
+        (NEAREST_OPEN,),
+    ),
+    Deviation(
+        "Support: a tree may be supported from an open frontier of the sensing range per active "
+        "robot (the paper gives no F bar). Trees are joined by bridges, and robots go home from "
+        "where they stand; the paper leaves both open. As in the paper, support begins at the root "
+        "of a tree.",
+        (NONE_SUPPORTED, OPEN_ENTRY),
+    ),
+    Deviation(
+        "Take-over: with the limited radio a robot that is done takes over the frontier of one "
+        "that it has not heard from for two minutes. In the paper there is no support then.",
+        (NO_TAKE_OVER, IN_CONTACT),
+    ),
+    Deviation(
+        "Worlds: the garden and the clutter of the catalog, with their default parameters. The "
+        "paper describes and shows its two square worlds, but gives no sizes."
+    ),
+    Deviation(
+        f"Robots: discs of 0.25 m, differential, 0.5 m/s; range finders {RANGE_M:g} m, exact. The "
+        "paper does not specify its robots."
+    ),
+    Deviation(
+        f"Radio: unlimited, or {RADIO_RANGE_M:g} m and relayed. The paper does not give its "
+        "limited range."
+    ),
+    Deviation(
+        "A single robot starts where the world suggests; its runs are made once, as neither starts "
+        "nor radio affect it."
+    ),
+    Deviation("Frontier shorter than the body's width is dropped. The paper has no such bound."),
+    Deviation(
+        "Groups agree on a key before any robot moves, a master that does not answer is replaced, "
+        "and robots stop before bodies in sight, of which a detector gives number and pose. The "
+        "paper describes none of these."
+    ),
+    Deviation(
+        "Time: the paper does not define its exploration time. Its explorations end at the roots "
+        "(section 2), so that the time until all robots are home is the likely one; each claim on "
+        "times is judged by the time until a robot knows the map complete as well."
+    ),
+    Deviation(
+        "The paper averages 20 runs and shows curves only: there are no printed figures for "
+        "comparison, and no tests."
+    ),
 )
 
 
@@ -126,7 +196,7 @@ def time_falls(cells: Cells, time: Measure) -> Judged:
 def time_does_not_always_fall(cells: Cells, time: Measure) -> Judged:
     """Return the judged claim on clustered starts, which has exceptions in the paper."""
     return judge(
-        f"With clustered starts there are teams in which more robots take longer {TIMES[time]}.",
+        TAKES_LONGER[time],
         SOURCE,
         _growing(cells, time, ("clustered",)),
         scope="somewhere",
@@ -139,7 +209,7 @@ def time_does_not_always_fall(cells: Cells, time: Measure) -> Judged:
 def distance_grows(cells: Cells) -> Judged:
     """Return the judged claim on the total distance, by neighbouring team sizes."""
     return judge(
-        "The total distance grows with the number of robots.",
+        DISTANCE_GROWS,
         SOURCE,
         _growing(cells, DISTANCE, ("scattered", "clustered")),
         scope="always",
@@ -243,6 +313,7 @@ def all_complete(results: Results) -> Claim:
             f"{100.0 * results.experiment.success_coverage:.0f} %, of {results.planned} asked for",
             *failed_runs(bad, MAX_LISTED),
         ),
+        would_show=_rare(len(results)),
     )
 
 
@@ -270,6 +341,7 @@ def no_collision(results: Results) -> Claim:
         "feasible from the collision viewpoint')",
         verdict=_of_all(results, bad),
         grounds=(*grounds, *failed_runs(bad, MAX_LISTED)),
+        would_show=_rare(len(measured)),
     )
 
 
@@ -278,6 +350,14 @@ def _of_all(results: Results, bad: list[Result]) -> Verdict:
     if bad:
         return "does not hold"
     return "holds" if len(results) == results.planned > 0 else "not tested"
+
+
+def _rare(runs: int) -> str:
+    """Return the share of bad runs of which `POWER` of such experiments have one or more."""
+    if not runs:
+        return ""
+    share = 1.0 - (1.0 - POWER) ** (1.0 / runs)
+    return f"{100.0 * share:.2g} % of bad runs would have been detected"
 
 
 # Tables -------------------------------------------------------------------------------------

@@ -17,6 +17,22 @@ from multisrt.reporting.claims import Claim, PrintedTable
 WORLD = "World:"
 
 
+@dataclass(frozen=True, slots=True)
+class Deviation:
+    """Where an experiment differs from that of the paper, or the paper leaves it open.
+
+    Attributes
+    ----------
+    text : str
+        The difference. One that begins with `WORLD` describes the worlds.
+    ablations : tuple of str
+        Changes of the preset's ablations that measure what it does; empty if none does.
+    """
+
+    text: str
+    ablations: tuple[str, ...] = ()
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Preset:
     """The experiment of a paper.
@@ -37,9 +53,8 @@ class Preset:
     tables : callable
         ``tables(results)`` returns the results beside the printed figures of the paper and the
         comparisons behind the claims, a list of `PrintedTable`.
-    deviations : tuple of str
-        Where the experiment differs from that of the paper, or the paper leaves it open. One that
-        begins with `WORLD` describes the worlds.
+    deviations : tuple of Deviation
+        Where the experiment differs from that of the paper.
     run_s, quick_run_s : float or None
         Computing time of a run, on average over the experiment and over the quick one, in seconds
         of one core; None if it is not known.
@@ -66,7 +81,7 @@ class Preset:
     experiment: Callable[[bool], ExperimentSpec]
     claims: Callable[[Results], list[Claim]]
     tables: Callable[[Results], list[PrintedTable]]
-    deviations: tuple[str, ...]
+    deviations: tuple[Deviation, ...]
     run_s: float | None = None
     quick_run_s: float | None = None
     on_map: Callable[[ExperimentSpec, EnvironmentChoice], ExperimentSpec] | None = None
@@ -74,6 +89,8 @@ class Preset:
 
     def with_map(self, path: Path, resolution_m: float | None = None) -> Preset:
         """Return the preset with a map of one's own instead of its worlds.
+
+        It keeps the ablations if they are made in whatever worlds the experiment has.
 
         Parameters
         ----------
@@ -104,11 +121,14 @@ class Preset:
         # A name without a folder could be that of an environment of the catalogue.
         name = str(path) if path.parent != Path() else f"./{path}"
         world = EnvironmentChoice(name=name, label=path.stem, resolution_m=resolution_m)
-        told = f"{WORLD} the map {path.name}, not that of the paper."
+        told = Deviation(f"{WORLD} the map {path.name}, not that of the paper.")
+        others = (one for one in self.deviations if not one.text.startswith(WORLD))
+        ablations = self.ablations
         return replace(
             self,
             experiment=lambda quick: on_map(self.experiment(quick), world),
-            deviations=(told, *(text for text in self.deviations if not text.startswith(WORLD))),
+            deviations=(told, *others),
+            ablations=ablations if ablations is not None and ablations.names_no_world else None,
         )
 
 

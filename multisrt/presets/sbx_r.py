@@ -7,7 +7,7 @@ whether SBX-R is significantly better (+) or worse (-) than the strategy of the 
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -15,7 +15,6 @@ from multisrt.experiments.crossing import Condition
 from multisrt.experiments.measures import Measure, measure_named
 from multisrt.experiments.results import Results
 from multisrt.experiments.spec import (
-    Block,
     EnvironmentChoice,
     ExperimentSpec,
     Only,
@@ -25,18 +24,17 @@ from multisrt.experiments.spec import (
 from multisrt.presets.cells import Cells, Comparison, Family
 from multisrt.presets.findings import Finding, weigh
 from multisrt.presets.judging import Judged, judge
-from multisrt.presets.preset import Preset, in_world
-from multisrt.presets.sbx_r_settings import (
-    ABLATION_RADIO,
-    ABLATION_ROBOTS,
+from multisrt.presets.preset import Deviation, Preset, in_world
+from multisrt.presets.sbx_r_ablations import (
     ABLATIONS,
-    MAX_TIME_S,
-    STRATEGIES,
-    ablations,
-    diagram_table,
+    FORGETS,
+    NO_SIGNALS,
+    NOTHING_LEFT,
+    TO_THE_CELL,
 )
+from multisrt.presets.sbx_r_claims import ALL, CLAIMS, Cell, CellClaim
+from multisrt.presets.sbx_r_settings import MAX_TIME_S, STRATEGIES, diagram_table
 from multisrt.presets.sbx_r_tables import (
-    CLOSEST,
     NAMES,
     OTHERS,
     PAPER,
@@ -45,6 +43,7 @@ from multisrt.presets.sbx_r_tables import (
     TEAMS,
     UTILITY,
     PaperTable,
+    radio_label,
 )
 from multisrt.presets.words import number
 from multisrt.reporting.claims import Claim, PrintedTable
@@ -55,50 +54,71 @@ from multisrt.statistics.summaries import median
 QUICK_TEAMS = (3,)
 REPETITIONS, QUICK_REPETITIONS = 31, 6
 RANGE_M = 4.0
-ABLATED = Block(
-    strategies=tuple(one.choice for one in ABLATIONS),
-    robots=(ABLATION_ROBOTS,),
-    radios=(ABLATION_RADIO,),
-)
-
 TIME, HOME = measure_named("known_complete_s"), measure_named("makespan_s")
 
 DEVIATIONS = (
-    "World: an office of 50 x 25 m, the size of the paper's map, which is not available. Ours has "
-    "more rooms and furniture: marks can be compared, times and distances cannot.",
-    f"Robots: discs of 0.25 m, differential, 0.5 m/s; range finders {RANGE_M:g} m, all around, "
-    "exact. The paper simulates Pioneer 2-DX robots in Player/Stage, with lasers of the same range "
-    "and view. Messages are relayed; walls do not block them.",
-    "Driving: all strategies drive by Smooth Nearness Diagram, as in the paper. "
-    "It is slow near obstacles: teams take more than twice as long as with path following.",
-    "Starts: the paper does not give them. Here the configuration of the first robot is drawn in "
-    "each repetition and the others stand around it. All strategies have the same starts.",
-    "Choosing: when the last goal is reached, in sight within half the range of the sensor, even "
-    "if it is no frontier any more, as the paper describes SBX-R; with self-bidding also on a stop "
-    "signal. In all strategies also where the path turns out not to be free, or after giving way "
-    "to another robot.",
-    "Settings: all strategies choose, reach their goals, plan by EEDT and drive in the same way; "
-    "the paper says so of SBX-R alone. Lengths by which goals are compared are those of a fast "
-    "march. What remains different: stop signals, which only self-bidding sends; and who counts as "
-    "a member of the team. By self-bidding a robot out of range counts with its last known place "
-    "and goal until it is broken, and none is; the leader of utility assigns goals to the robots "
-    "in contact. A table shows what single settings change.",
-    "Utility: the leader answers a robot that asks, and the others keep their goals. The paper "
-    "does not say how its leader answers.",
-    "Nearness diagram: where it makes no progress for 5 s, sees no opening, or comes within 0.5 m "
-    "of the goal, the robot follows its path for the rest of the drive. A table says how often.",
-    "For a single robot all strategies are the same: it runs 'closest' once per repetition, as in "
-    "the paper.",
-    f"Runs: {REPETITIONS} of each case by default, as many as in the paper. Where a difference is "
-    "not significant, the verdict names the smallest one that so many runs would have shown.",
-    "The paper does not name its test. The marks of single cells are by Mann-Whitney's, two-sided "
-    "at 5 %, its p-values adjusted by Holm's procedure over the 12 cells of a table against one "
-    "strategy. A claim is judged by one test of all its cells together, by signed ranks in pairs "
-    "of repetitions, which have the same starts in all cells. Runs that failed count as worse than "
-    "all others.",
-    "Time: until a robot knows the map complete. The claims on times are judged by the time until "
-    "all are home as well, and both are shown.",
-    "Isolation counts until the last robot is home.",
+    Deviation(
+        "World: an office of 50 x 25 m, the size of the paper's map, which is not available. Ours "
+        "has more rooms and furniture: marks can be compared, times and distances cannot."
+    ),
+    Deviation(
+        f"Robots: discs of 0.25 m, differential, 0.5 m/s; range finders {RANGE_M:g} m, all around, "
+        "exact. The paper simulates Pioneer 2-DX robots in Player/Stage, with lasers of the same "
+        "range and view. Messages are relayed; walls do not block them."
+    ),
+    Deviation(
+        "Driving: all strategies drive by Smooth Nearness Diagram, as in the paper. "
+        "It is slow near obstacles: teams take more than twice as long as with path following."
+    ),
+    Deviation(
+        "Starts: the paper does not give them. Here the configuration of the first robot is drawn "
+        "in each repetition and the others stand around it. All strategies have the same starts."
+    ),
+    Deviation(
+        "Choosing: when the last goal is reached, in sight within half the range of the sensor, "
+        "even if it is no frontier any more, as the paper describes SBX-R; with self-bidding also "
+        "on a stop signal. In all strategies also where the path turns out not to be free, or "
+        "after giving way to another robot.",
+        (NOTHING_LEFT, NO_SIGNALS),
+    ),
+    Deviation(
+        "Settings: all strategies choose, reach their goals, plan by EEDT and drive in the same "
+        "way; the paper says so of SBX-R alone. Lengths by which goals are compared are those of a "
+        "fast march.",
+        (TO_THE_CELL,),
+    ),
+    Deviation(
+        "Members of the team: by self-bidding a robot out of range counts with its last known "
+        "place and goal until it is broken, and none is; the leader of utility assigns goals to "
+        "the robots in contact. Only self-bidding sends stop signals.",
+        (FORGETS, NO_SIGNALS),
+    ),
+    Deviation(
+        "Utility: the leader answers a robot that asks, and the others keep their goals. The paper "
+        "does not say how its leader answers."
+    ),
+    Deviation(
+        "Nearness diagram: where it makes no progress for 5 s, sees no opening, or comes within "
+        "0.5 m of the goal, the robot follows its path for the rest of the drive. A table says how "
+        "often."
+    ),
+    Deviation(
+        "For a single robot all strategies are the same: it runs 'closest' once per repetition, as "
+        "in the paper."
+    ),
+    Deviation(f"Runs: {REPETITIONS} of each case by default, as many as in the paper."),
+    Deviation(
+        "The paper does not name its test. The marks of single cells are by Mann-Whitney's, "
+        "two-sided at 5 %, its p-values adjusted by Holm's procedure over the 12 cells of a table "
+        "against one strategy. A claim is judged by one test of all its cells together, by signed "
+        "ranks in pairs of repetitions, which have the same starts in all cells. Runs that failed "
+        "count as worse than all others."
+    ),
+    Deviation(
+        "Time: until a robot knows the map complete. The claims on times are judged by the time "
+        "until all are home as well, and both are shown."
+    ),
+    Deviation("Isolation counts until the last robot is home."),
 )
 
 READING = (
@@ -112,7 +132,7 @@ READING = (
 
 def experiment(quick: bool) -> ExperimentSpec:
     """Return the experiment of the paper, or a quick one with one team size and fewer runs."""
-    radios = tuple(RadioChoice(range_m=float(r), label=_radio(r)) for r in RADIO_RANGES_M)
+    radios = tuple(RadioChoice(range_m=float(r), label=radio_label(r)) for r in RADIO_RANGES_M)
     return ExperimentSpec(
         name="sbx-r quick" if quick else "sbx-r",
         about="What it brings and what it costs to keep a team within its radio's range",
@@ -123,10 +143,9 @@ def experiment(quick: bool) -> ExperimentSpec:
         robots=(1, *(QUICK_TEAMS if quick else TEAMS)),
         starts=(StartsChoice(how="clustered", first="drawn"),),
         radios=radios,
-        blocks=() if quick else (Block(), ABLATED),
         exclude=(
             Only(robots=1, strategy=(UTILITY, SBX_R)),
-            Only(robots=1, radio=tuple(_radio(r) for r in RADIO_RANGES_M[1:])),
+            Only(robots=1, radio=tuple(radio_label(r) for r in RADIO_RANGES_M[1:])),
         ),
         repetitions=QUICK_REPETITIONS if quick else REPETITIONS,
         range_finder=RangeFinderSpec(range_m=RANGE_M),
@@ -134,97 +153,7 @@ def experiment(quick: bool) -> ExperimentSpec:
     )
 
 
-def _radio(range_m: int) -> str:
-    return f"{range_m} m"
-
-
 # Claims -------------------------------------------------------------------------------------
-
-Cell = tuple[str, int, int]
-"""The strategy that SBX-R is compared with, the range of the radio (m), and the team size."""
-
-ALL: dict[str, tuple[Cell, ...]] = {
-    other: tuple((other, radio, robots) for radio in RADIO_RANGES_M for robots in TEAMS)
-    for other in OTHERS
-}
-"""The cells of a table by the strategy that SBX-R is compared with."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class CellClaim:
-    """A claim of the paper on some cells of a table.
-
-    Attributes
-    ----------
-    text : str
-        The claim.
-    table : PaperTable
-        The table.
-    cells : tuple of Cell
-        The cells that the claim refers to.
-    better : bool
-        Whether SBX-R is claimed to be better, or worse.
-    """
-
-    text: str
-    table: PaperTable
-    cells: tuple[Cell, ...]
-    better: bool = True
-
-
-def _cell_claims() -> list[CellClaim]:
-    isolation, longest, beyond, time, distance = PAPER
-    together = [
-        CellClaim(text=f"{text} than with {other}.", table=table, cells=ALL[other])
-        for text, table in (
-            ("With self-bidding some robot is isolated for less time", isolation),
-            ("With self-bidding the longest isolation of a robot is shorter", longest),
-            ("With self-bidding an isolated robot goes less far out of range", beyond),
-        )
-        for other in OTHERS
-    ]
-    return [
-        *together,
-        CellClaim(
-            text="In teams of 3 and 4 with a radio of 20 or 30 m self-bidding takes less time than "
-            "both others.",
-            table=time,
-            cells=tuple((o, radio, n) for o in OTHERS for radio in (20, 30) for n in (3, 4)),
-        ),
-        CellClaim(
-            text="Two robots with a radio of 15 m take longer by self-bidding than by closest.",
-            table=time,
-            cells=((CLOSEST, 15, 2),),
-            better=False,
-        ),
-        CellClaim(
-            text="Five robots with a radio of 15 m take longer by self-bidding than by utility.",
-            table=time,
-            cells=((UTILITY, 15, 5),),
-            better=False,
-        ),
-        CellClaim(
-            text="Teams of 3 to 5 travel less by self-bidding than by closest.",
-            table=distance,
-            cells=tuple((CLOSEST, radio, n) for radio in RADIO_RANGES_M for n in (3, 4, 5)),
-        ),
-        CellClaim(
-            text="With a radio of 15 m teams travel more by self-bidding than by utility.",
-            table=distance,
-            cells=tuple((UTILITY, 15, n) for n in TEAMS),
-            better=False,
-        ),
-        CellClaim(
-            text="With a radio of 30 m teams of 3 and 4 travel less by self-bidding than by "
-            "utility.",
-            table=distance,
-            cells=tuple((UTILITY, 30, n) for n in (3, 4)),
-        ),
-    ]
-
-
-CLAIMS = _cell_claims()
-"""Claims in the text of section IV, all of which the printed marks support."""
 
 
 def claims(results: Results) -> list[Claim]:
@@ -239,7 +168,6 @@ def tables(results: Results) -> list[PrintedTable]:
         *(beside(cells, table) for table in PAPER),
         *(beside(cells, _until_home(table)) for table in PAPER if table.measure == TIME),
         agreement(cells),
-        ablations(cells),
         diagram_table(cells),
         *(judged.table for judged in _judged(results)),
     ]
@@ -282,7 +210,7 @@ def _compared(cells: Cells, measure: Measure, cell: Cell, better: bool = True) -
     other, radio_m, robots = cell
     ours, theirs = places[SBX_R, radio_m, robots], places[cell]
     return cells.compared(
-        f"{other}, {_radio(radio_m)} radio, {robots} robots",
+        f"{other}, {radio_label(radio_m)} radio, {robots} robots",
         lower=ours if better else theirs,
         higher=theirs if better else ours,
         measure=measure,
@@ -330,8 +258,8 @@ def beside(cells: Cells, table: PaperTable) -> PrintedTable:
                 for key in keys
             ]
             printed = [f"{table.median(*key)} {table.mark(*key)}".strip() for key in keys]
-            rows.append((strategy, _radio(radio_m), *own))
-            rows.append((f"paper: {NAMES[strategy]}", _radio(radio_m), *printed))
+            rows.append((strategy, radio_label(radio_m), *own))
+            rows.append((f"paper: {NAMES[strategy]}", radio_label(radio_m), *printed))
     return PrintedTable(
         title=f"Table {table.number}. {table.title} ({table.measure.unit})",
         source=f"SBX-R, Table {table.number}",
@@ -387,5 +315,8 @@ SBX_R_PRESET = Preset(
     claims=claims,
     tables=tables,
     deviations=DEVIATIONS,
+    run_s=12.0,
+    quick_run_s=10.0,
     on_map=in_world,
+    ablations=ABLATIONS,
 )

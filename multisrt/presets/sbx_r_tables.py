@@ -17,6 +17,11 @@ RADIO_RANGES_M = (15, 20, 30)
 TEAMS = (2, 3, 4, 5)
 
 
+def radio_label(range_m: int) -> str:
+    """Return the label of a radio."""
+    return f"{range_m} m"
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PaperTable:
     """A table as the paper prints it.

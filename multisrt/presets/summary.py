@@ -6,7 +6,8 @@ from collections.abc import Iterable, Sequence
 
 from multisrt.experiments.crossing import conditions
 from multisrt.experiments.results import Results
-from multisrt.presets.preset import Preset
+from multisrt.presets.ablations import Ablation, Ablations
+from multisrt.presets.preset import Deviation, Preset
 from multisrt.presets.words import failed_runs
 from multisrt.reporting.claims import Claim, PrintedTable
 from multisrt.reporting.study import Study
@@ -41,20 +42,26 @@ def summary(
     tables : sequence of PrintedTable
         The figures beside the paper's, and the comparisons behind the claims.
     ablations : Results, optional
-        Results of the preset's ablations, which may be incomplete.
+        Results of the preset's ablations, which may be incomplete; None if they were left out.
 
     Returns
     -------
     str
         The Markdown document.
     """
+    made = None
+    if preset.ablations is not None and ablations is not None:
+        made = preset.ablations.made_in(ablations.experiment)
     sections = [
         f"# {preset.about}",
         f"Made with `{command}`. The paper: {preset.paper}.",
         _bullets(_account(results)),
         "## Claims",
-        markdown_table(("claim", "verdict"), [(claim.text, claim.told) for claim in claims]),
-        *(_claim(claim) for claim in claims),
+        markdown_table(
+            ("claim", "verdict", "smallest effect"),
+            [(claim.text, claim.verdict, claim.would_show) for claim in claims],
+        ),
+        *(_claim(claim, made) for claim in claims),
         "## Figures beside the paper's",
         *(_printed(table) for table in tables if table.source),
         "## Figures behind the claims",
@@ -62,7 +69,7 @@ def summary(
         "## Beside a team that knows the map",
         _gaps(results),
         "## Differences from the paper's experiment",
-        _bullets(preset.deviations),
+        *_differences(preset.deviations, has_ablations=made is not None),
         *_ablations(preset, ablations),
         "## Unsuccessful runs",
         _bullets(failed_runs([r for r in results if r.failed], MAX_FAILURES)) or "None.",
@@ -119,14 +126,43 @@ def _gaps(results: Results) -> str:
     return "\n\n".join((markdown_table(table.columns, rows), _bullets(table.notes)))
 
 
-def _claim(claim: Claim) -> str:
+def _claim(claim: Claim, ablations: Ablations | None) -> str:
+    grounds = [*claim.grounds]
+    if claim.verdict == "does not hold" and ablations is not None:
+        grounds.append(_why(ablations.asking_why(claim.text)))
     return "\n\n".join(
         (
             f"### {claim.text}",
             f"**{claim.told[0].upper()}{claim.told[1:]}.** Claimed in: {claim.source}.",
-            _bullets(claim.grounds),
+            _bullets(grounds),
         )
     )
+
+
+def _why(asking: Sequence[Ablation]) -> str:
+    changes = dict.fromkeys(f"“{one.change}”" for one in asking)
+    topics = dict.fromkeys(f"“{one.topic.title}”" for one in asking)
+    if not changes:
+        return "no ablation asks why it does not hold"
+    return f"ablations that ask why: {', '.join(changes)}; see {' and '.join(topics)}"
+
+
+def _differences(deviations: Sequence[Deviation], *, has_ablations: bool) -> list[str]:
+    """Return the deviations; where there are ablations, by whether these measure them."""
+    if not has_ablations:
+        return [_bullets(one.text for one in deviations)]
+    measured = [
+        f"{one.text} Measured by: {', '.join(f'“{change}”' for change in one.ablations)}."
+        for one in deviations
+        if one.ablations
+    ]
+    others = [one.text for one in deviations if not one.ablations]
+    return [
+        "What these do is measured by ablations, in the tables below:",
+        _bullets(measured),
+        "What these do is measured by no ablation:",
+        _bullets(others),
+    ]
 
 
 def _printed(table: PrintedTable) -> str:

@@ -133,7 +133,7 @@ def _node_flaw(node: NodeAdded, range_m: float) -> str:
     x, y, _ = node.configuration
     if flaw := _too_far(x, y):
         return flaw
-    farthest_m = max(math.dist((x, y), corner) for corner in node.boundary)
+    farthest_m = max(map(math.dist, itertools.repeat((x, y)), node.boundary))
     if farthest_m > range_m + ROUNDING_M:
         return f"a region reaches {farthest_m:g} m, but robot {node.robot} sees {range_m:g} m"
     return ""

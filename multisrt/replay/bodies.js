@@ -12,11 +12,11 @@ class Bodies extends Brush {
     this.seats = [];
   }
 
-  draw(poses, doing, chosen) {
+  draw(poses, doing, areCutOff, chosen) {
     const { view } = this, { run, player } = view;
     this.shapes = poses.map((pose, robot) => this.shape(robot, pose));
     this.shapes.forEach((shape, robot) => {
-      this.drawBody(shape, colourOfBody(player.colours, run, robot, doing[robot]), doing[robot]);
+      this.drawBody(shape, colourOfBody(player.colours, run, robot, doing[robot]), doing[robot], areCutOff[robot]);
       if (robot === chosen) this.ring(shape.x, shape.y, shape.size + view.px(4), player.colours.link, 3);
     });
     this.drawNumbers(doing);
@@ -32,7 +32,7 @@ class Bodies extends Brush {
     return { robot, x: px, y: py, cos, sin, outline, isSmall, size: isSmall ? view.px(MIN_BODY_PX) : reach };
   }
 
-  drawBody({ x, y, cos, sin, outline, isSmall, size }, { fill, edge }, doing) {
+  drawBody({ x, y, cos, sin, outline, isSmall, size }, { fill, edge }, doing, isCutOff) {
     const { c, view } = this, { colours } = view.player;
     c.beginPath();
     if (isSmall) c.arc(x, y, size, 0, 2 * Math.PI);
@@ -45,7 +45,7 @@ class Bodies extends Brush {
     c.moveTo(x, y);
     c.lineTo(x + 1.4 * size * cos, y - 1.4 * size * sin);
     this.stroke(edge, 1.8);
-    if (doing === "cut off") this.ring(x, y, size + view.px(5), colours.frontier, 2, [3, 3]);
+    if (isCutOff) this.ring(x, y, size + view.px(5), colours.frontier, 2, [3, 3]);
     if (doing === "dead") this.cross(x, y, size + view.px(3));
   }
 

@@ -64,9 +64,13 @@ function distanceBy(run, time) {
   return sum;
 }
 
-// Without a limit of the radio nobody is cut off, unless radios fail.
+function titleOf({ title, ofAll }, runs) {
+  return ofAll && runs.some((run) => run.count > 1) ? `${title}, ${ofAll}` : title;
+}
+
+// Without a limit of the radio nobody is cut off, unless radios fail; nor is a robot alone.
 function canBeCutOff(run) {
-  return run.links !== null || Math.max(0, ...run.isolated.robots) > 0;
+  return run.count > 1 && (run.links !== null || Math.max(0, ...run.isolated.robots) > 0);
 }
 
 const CURVES = [
@@ -83,15 +87,17 @@ const CURVES = [
   {
     title: "Robots cut off",
     unit: "",
+    isOfTeams: true,
     isOf: canBeCutOff,
     otherwise: "No robot is ever cut off: radio unlimited.",
     kinds: [["", "frontier", 1.8]],
     most: (run) => Math.max(0, ...run.isolated.robots),
     value: (run, time) => (canBeCutOff(run) ? stepAt(run.isolated.t, run.isolated.robots, time) : null),
-    text: (run, time) => (canBeCutOff(run) ? String(stepAt(run.isolated.t, run.isolated.robots, time)) : "radio unlimited"),
+    text: (run, time) => (canBeCutOff(run) ? String(stepAt(run.isolated.t, run.isolated.robots, time)) : run.count > 1 ? "radio unlimited" : "one robot"),
   },
   {
-    title: "Distance driven, all robots",
+    title: "Distance driven",
+    ofAll: "all robots",
     unit: "m",
     isOf: () => true,
     kinds: [["", "ink", 1.8]],

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
@@ -36,6 +36,9 @@ NOTE: Final = (
     "finished run has both in full."
 )
 UNEXPLAINED: Final = "Explanations come with the page of the finished run."
+
+LEFT_NOTE: Final = "Outlines of regions are 2 cm off at most, and explanations are missing."
+LEFT_UNEXPLAINED: Final = "The page of a run that did not end has no explanations."
 
 
 class LiveReplay:
@@ -126,16 +129,32 @@ class LiveReplay:
         self._so_far = None
         self._next_s = 0.0
         self._finished.append(recording)
-        self._packed.append(_packed(recording))
+        self._packed.append(_packed(recording, UNEXPLAINED))
 
     def _pack(self, recording: Recording) -> None:
-        current = _packed(recording) | {"outcome": "still going on", "reason": "so far"}
-        runs = [*self._packed, current]
-        data = compressed(assembled(runs, [NOTE]))
+        current = _packed(recording, UNEXPLAINED) | {
+            "outcome": "still going on",
+            "reason": "so far",
+        }
+        self._put([*self._packed, current], NOTE, [*self._finished, recording])
+
+    def _pack_last(self, outcome: str) -> None:
+        # After this page there is no other one.
+        runs = [run | {"unexplained": LEFT_UNEXPLAINED} for run in self._packed]
+        recordings = list(self._finished)
+        if self._so_far is not None:
+            recordings.append(self._so_far())
+            current = _packed(recordings[-1], LEFT_UNEXPLAINED)
+            runs.append(current | {"outcome": outcome, "reason": ""})
+        if runs:
+            self._put(runs, LEFT_NOTE, recordings)
+
+    def _put(self, runs: Sequence[Packed], note: str, recordings: Sequence[Recording]) -> None:
+        data = compressed(assembled(runs, [note]))
         if len(data) > MAX_BYTES:
             return
-        self._data, self._time_s = data, recording.footer.time_s
-        self._titles = [*map(title_of, self._finished), title_of(recording)]
+        self._data, self._time_s = data, recordings[-1].footer.time_s
+        self._titles = list(map(title_of, recordings))
 
     def _write_one_more(self, status: Status) -> None:
         try:
@@ -159,8 +178,8 @@ class LiveReplay:
         if self.pages == 0:
             return
         with suppress(MultiSrtError):
-            if self._so_far is not None:
-                self._pack(self._so_far())
+            outcome = "ended with an error" if isinstance(error, Exception) else "interrupted"
+            self._pack_last(outcome)
             run = self._titles[-1]
             shown = f"the replay ends at {self._time_s:.1f} s of {run}."
             if round(self._time_s, 1) == 0.0:
@@ -171,5 +190,5 @@ class LiveReplay:
             self._write(Status(said))
 
 
-def _packed(recording: Recording) -> Packed:
-    return packed_run(recording, DETAIL) | {"unexplained": UNEXPLAINED}
+def _packed(recording: Recording, unexplained: str) -> Packed:
+    return packed_run(recording, DETAIL) | {"unexplained": unexplained}

@@ -19,6 +19,7 @@ class Marks extends Brush {
     this.time = time;
     this.poses = run.robots.map((_, robot) => run.pose(robot, time));
     this.doing = run.robots.map((_, robot) => this.activity(robot));
+    this.areCutOff = run.robots.map((_, robot) => run.isCutOff(robot, time));
     if (layers.has("frontier")) this.drawGivenUp();
     if (layers.has("paths")) this.drawAhead();
     if (layers.has("links")) this.drawLinks();
@@ -27,7 +28,7 @@ class Marks extends Brush {
     if (layers.has("stops")) this.drawStops();
     if (layers.has("messages")) this.drawMessages();
     if (player.run === view.number) this.drawChosenNode(player.panel.node);
-    if (layers.has("bodies")) this.bodies.draw(this.poses, this.doing, this.robot);
+    if (layers.has("bodies")) this.bodies.draw(this.poses, this.doing, this.areCutOff, this.robot);
     if (layers.has("masters")) this.drawMasters();
   }
 
@@ -88,15 +89,19 @@ class Marks extends Brush {
     this.stroke(player.colours.radio, 1.2);
   }
 
+  // Those that are being sent; with a robot chosen, those that it sends or is sent.
   drawMessages() {
     const { c, view } = this, { run, player } = view, { t, robot, reached, lost, sets } = run.messages;
     const span = player.isPlaying ? Math.max(0.02, FLASH_S * player.pace) : STILL_S;
+    if (player.time > run.end) return;
     let lines = 0;
     for (let row = lastBy(t, this.time); row >= 0 && t[row] > this.time - span && lines < MAX_LINES; row--) {
-      if (this.robot !== TEAM && robot[row] !== this.robot && !sets[reached[row]].includes(this.robot)) continue;
+      const mine = (set) => (this.isMine(robot[row]) ? set : set.filter((to) => to === this.robot));
+      const received = mine(sets[reached[row]]), missed = mine(sets[lost[row]]);
+      if (!this.isMine(robot[row]) && !received.length && !missed.length) continue;
       const [x, y] = this.poses[robot[row]];
       c.globalAlpha = player.isStill ? 0.9 : Math.max(0.15, 1 - (this.time - t[row]) / span);
-      for (const [set, dashes] of [[sets[reached[row]], []], [sets[lost[row]], [3, 3]]]) {
+      for (const [set, dashes] of [[received, []], [missed, [3, 3]]]) {
         c.beginPath();
         for (const to of set) this.arrow(x, y, ...this.poses[to]);
         this.stroke(player.colours.message, 1.6, dashes);

@@ -38,6 +38,7 @@ SCRIPTS: Final = (
     "curves",
     "strips",
     "legend",
+    "symbols",
     "panel",
     "player",
     "address",

@@ -2,6 +2,8 @@
 
 const EVENTS_SHOWN = 9;
 const MAX_KNOWERS = 12; // of a node, that are named
+const NARROW = "(max-width: 52rem), (max-height: 30rem)"; // as in the style: one column
+const COLUMNS = /\S {2,}\S/; // of a line of a table
 const DECIDED = "What it decided"; // a heading of explanations, which a time may follow after a comma
 
 const LAYERS = [
@@ -30,7 +32,7 @@ class Panel {
     this.fillRuns(runs);
     this.fillLayers();
     this.fillAbout(runs);
-    if (matchMedia("(max-width: 52rem)").matches) {
+    if (matchMedia(NARROW).matches) {
       for (const name of ["layers", "events"]) byId(`fold-${name}`).open = false;
     }
     for (const name of ["robot", "events"]) byId(`fold-${name}`).addEventListener("toggle", () => this.update());
@@ -52,20 +54,36 @@ class Panel {
   }
 
   fillLayers() {
-    for (const [name, title] of LAYERS) {
+    this.samples = [];
+    const symbols = symbolsOf(this.player.runs), shown = new Set(symbols.map(([name]) => name));
+    for (const [name, title] of LAYERS.filter(([layer]) => shown.has(layer))) {
       const box = make("input", { type: "checkbox", name, checked: this.player.layers.has(name) });
       box.addEventListener("change", () => this.player.toggle(name, box.checked));
-      byId("layers").append(make("label", {}, box, make("span", { textContent: title })));
+      const [, , paint] = symbols.find(([layer]) => layer === name);
+      byId("layers").append(make("label", {}, box, this.sample(paint), make("span", { textContent: title })));
     }
+    for (const [, words, paint] of symbols) byId("symbols").append(make("li", {}, this.sample(paint), make("span", { textContent: words })));
+  }
+
+  sample(paint) {
+    const sample = new Sample(this.player);
+    this.samples.push([sample, paint]);
+    return sample.canvas;
+  }
+
+  recolour() {
+    for (const [sample, paint] of this.samples) sample.paint(paint);
   }
 
   fillAbout(runs) {
     const about = byId("about");
     for (const run of runs) {
-      const { outcome, reason, digest, made } = run.packed;
-      about.append(make("p", { textContent: `${run.title}: ${run.count} robots, ${outcome} after ${run.end.toFixed(1)} s (${reason}).` }));
+      const { outcome, reason, digest, made, conditions, deaths } = run.packed;
+      const why = reason ? ` (${reason})` : "", died = deaths.map((death) => `; ${death}`).join("");
+      about.append(make("p", { textContent: `${run.title}: ${outcome} after ${run.end.toFixed(1)} s${why}${died}.` }));
+      about.append(make("p", { textContent: `Set-up: ${conditions.join("; ")}.` }));
       about.append(make("p", { textContent: `Made by multisrt ${made}, digest ${digest}.` }));
-      if (!run.links) about.append(make("p", { textContent: "The radio reaches everywhere: no links are drawn." }));
+      if (!run.links && run.count > 1) about.append(make("p", { textContent: "The radio reaches everywhere: no links are drawn." }));
       if (!run.scans) about.append(make("p", { textContent: "The recording has no scans: what was seen is not known." }));
     }
     for (const note of this.player.notes) about.append(make("p", { textContent: note }));
@@ -86,8 +104,20 @@ class Panel {
     const text = robot === TEAM
       ? "Choose a robot, here, by its number on the keyboard or by a click on the map or below it: its own map is shown, and why it decided as it did."
       : chosen.why(robot, time);
-    if (why.textContent !== text) why.textContent = text;
+    this.showText(why, text);
     this.tellNode(chosen);
+  }
+
+  // Tables stay as they are, all other lines are wrapped. The first line, which has the time,
+  // changes far more often than the others.
+  showText(element, text) {
+    const end = text.indexOf("\n") < 0 ? text.length : text.indexOf("\n"), rest = text.slice(end);
+    if (rest !== this.shownRest || !element.firstChild) {
+      const parts = partsOf(rest).map(([part, isTable]) => (isTable ? make("span", { className: "table", tabIndex: 0, textContent: part }) : part));
+      element.replaceChildren(document.createTextNode(""), ...parts);
+      this.shownRest = rest;
+    }
+    element.firstChild.data = text.slice(0, end);
   }
 
   tellNode(run) {
@@ -119,8 +149,7 @@ class Panel {
   decisionFor(run, node) {
     if (!run.explanations) return null;
     const { log } = run, by = log.by[run.nodes.robot[node]];
-    const isChoice = (row) => ["decision", "goal_chosen", "decided"].includes(log.kinds[log.kind[row]]);
-    for (let k = lastBy(by.t, run.nodes.t[node] - 0.0005); k >= 0; k--) if (isChoice(by.rows[k])) return by.t[k];
+    for (let k = lastBy(by.t, run.nodes.t[node] - 0.0005); k >= 0; k--) if (run.isDecision(by.rows[k])) return by.t[k];
     return null;
   }
 
@@ -132,9 +161,9 @@ class Panel {
 
   // The events about the present time, those of the chosen robot if there is one.
   list() {
-    const { chosen, robot } = this.player, { log } = chosen, time = this.player.timeOf(chosen);
+    const { chosen, robot } = this.player, { log } = chosen;
     const own = robot === TEAM ? { t: log.t, rows: null } : log.by[robot];
-    const at = lastBy(own.t, time + 1e-9), first = Math.max(0, Math.min(at - 4, own.t.length - EVENTS_SHOWN));
+    const at = this.player.positions(1).behind[this.player.run] - 1, first = Math.max(0, Math.min(at - 4, own.t.length - EVENTS_SHOWN));
     const key = `${this.player.run} ${robot} ${first} ${at}`;
     if (key === this.eventsKey) return;
     this.eventsKey = key;
@@ -154,10 +183,23 @@ class Panel {
   }
 }
 
+// The parts of a text that are tables, with the lines between their rows, and those that are not.
+function partsOf(text) {
+  const parts = [];
+  for (const section of text.split(/(?<=\n)(?=\n)/)) {
+    const lines = section.split(/(?<=\n)/), rows = lines.flatMap((line, k) => (COLUMNS.test(line.trim()) ? [k] : []));
+    const [first, last] = rows.length > 1 ? [rows[0], rows.at(-1) + 1] : [lines.length, lines.length];
+    parts.push([lines.slice(0, first).join(""), false], [lines.slice(first, last).join(""), true], [lines.slice(last).join(""), false]);
+  }
+  return parts.filter(([part]) => part);
+}
+
 function aboutNode(run, node) {
-  const { serial, robot, parent, x, y, t, stageName } = run.nodes, from = parent[node];
+  const { serial, robot, parent, x, y, t, stage, stageName } = run.nodes, from = parent[node];
+  const where = `of robot ${robot[node]} at (${x[node].toFixed(2)}, ${y[node].toFixed(2)})`;
+  if (stage[node] === "scan") return `Scan ${serial[node]} ${where}: made at ${t[node].toFixed(2)} s; it showed something new.`;
   const origin = from < 0 ? "a root" : `found by: ${stageName[node]}; its parent is node ${serial[from]} of robot ${robot[from]}`;
-  return `Node ${serial[node]} of robot ${robot[node]} at (${x[node].toFixed(2)}, ${y[node].toFixed(2)}): added at ${t[node].toFixed(2)} s, ${origin}.`;
+  return `Node ${serial[node]} ${where}: added at ${t[node].toFixed(2)} s, ${origin}.`;
 }
 
 function whoKnows(run, node) {

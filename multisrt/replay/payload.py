@@ -13,12 +13,13 @@ import numpy as np
 import shapely
 
 from multisrt.analysis.activity import ACTIVITIES, activities
-from multisrt.analysis.isolation import isolation
+from multisrt.analysis.isolation import Isolation, isolation
 from multisrt.analysis.run_tables import coverage_curve
 from multisrt.drawing.account import OUTCOMES
 from multisrt.environments.environment import Environment
 from multisrt.events import NodeAdded, Sensed
 from multisrt.recording import Recording
+from multisrt.replay.conditions import conditions, deaths, with_labels
 from multisrt.replay.event_text import packed_explanations, packed_log
 from multisrt.replay.moving import packed_bridges, packed_goals, packed_robots
 from multisrt.replay.nodes import Names, packed_learned, packed_nodes, packed_scans
@@ -118,7 +119,7 @@ def packed_run(recording: Recording, detail: Detail) -> Packed:
 
 def assembled(runs: Sequence[Packed], notes: Sequence[str]) -> Packed:
     """Return the data of a page with packed runs, and notes for its reader."""
-    return {"version": VERSION, "notes": list(notes), "runs": list(runs)}
+    return {"version": VERSION, "notes": list(notes), "runs": with_labels(runs)}
 
 
 def compressed(data: Packed) -> str:
@@ -148,12 +149,15 @@ def _packed_detail(recording: Recording, detail: Detail) -> Packed:
 def _packed_run(recording: Recording) -> Packed:
     environment = recording.environment()
     names = Names.of(recording)
+    cut_off = isolation(recording, environment)
     spec, footer = recording.spec, recording.footer
     is_judged = bool(recording.of(Sensed)) or not recording.of(NodeAdded)
     return {
         "title": f"{spec.strategy} in {recording.header.world}, seed {spec.seed}",
         "outcome": OUTCOMES[footer.outcome],
         "reason": footer.reason,
+        "conditions": conditions(spec),
+        "deaths": deaths(recording),
         "digest": footer.digest,
         "made": recording.header.versions.get("multisrt", ""),
         "end": round(footer.time_s / UNIT_S),
@@ -168,10 +172,10 @@ def _packed_run(recording: Recording) -> Packed:
         "stops": packed_stops(recording),
         "arcs": packed_arcs(recording),
         "log": packed_log(recording),
-        "activities": _packed_activities(recording, environment),
+        "activities": _packed_activities(recording, environment, cut_off),
         "curves": {
             "coverage": _packed_coverage(recording, environment) if is_judged else None,
-            "isolated": _packed_isolation(recording, environment),
+            "isolated": _packed_isolation(cut_off),
         },
     }
 
@@ -188,16 +192,26 @@ def _packed_world(environment: Environment) -> Packed:
     }
 
 
-def _packed_activities(recording: Recording, environment: Environment) -> Packed:
-    spells = activities(recording, environment)
+def _packed_activities(
+    recording: Recording, environment: Environment, cut_off: Sequence[Isolation]
+) -> Packed:
+    spells = activities(recording, environment, with_isolation=False)
+    names: list[str] = [name for name in ACTIVITIES if name != "cut off"]
     return {
-        "names": ACTIVITIES,
+        "names": names,
         "robots": [
             {
                 "t": whole([spell.start_s for spell in own], UNIT_S),
-                "what": [ACTIVITIES.index(spell.activity) for spell in own],
+                "what": [names.index(spell.activity) for spell in own],
             }
             for own in spells
+        ],
+        "cut_off": [
+            {
+                "begin": whole([begin for begin, _ in own.spells], UNIT_S),
+                "end": whole([end for _, end in own.spells], UNIT_S),
+            }
+            for own in cut_off
         ],
     }
 
@@ -212,11 +226,11 @@ def _packed_coverage(recording: Recording, environment: Environment) -> Packed:
     }
 
 
-def _packed_isolation(recording: Recording, environment: Environment) -> Packed:
+def _packed_isolation(cut_off: Sequence[Isolation]) -> Packed:
     # How many robots are cut off from all others, at each time at which that changes.
     changes = [
         change
-        for robot in isolation(recording, environment)
+        for robot in cut_off
         for begin, end in robot.spells
         for change in ((begin, 1), (end, -1))
     ]

@@ -2,6 +2,8 @@
 
 const PACES = [0.5, 1, 2, 5, 10, 20, 50, 100];
 const PANEL_MS = 150; // between two updates of texts while it plays
+const PANEL_S = 0.5; // of the run, by which texts may be late
+const ZOOM = 1.25; // by a key
 const NOTE_MS = 2000; // between two notes of the time in the address while it plays
 const PLAYING_MS = 12; // of a frame, for pictures
 const STANDING_MS = 40; // the same while the time stands
@@ -53,6 +55,8 @@ class Player {
     byId("play").addEventListener("click", () => this.playOrPause());
     byId("previous").addEventListener("click", () => this.step(-1));
     byId("next").addEventListener("click", () => this.step(1));
+    byId("previous-decision").addEventListener("click", () => this.step(-1, true));
+    byId("next-decision").addEventListener("click", () => this.step(1, true));
     const scrub = byId("scrub");
     scrub.max = this.end;
     scrub.step = "any";
@@ -70,7 +74,10 @@ class Player {
     if (event.ctrlKey || event.metaKey || event.altKey || byId("keys").open) return;
     const isChoice = target instanceof HTMLSelectElement;
     if (isChoice || (key === " " && (target instanceof HTMLButtonElement || target.tagName === "SUMMARY" || target.type === "checkbox"))) return;
-    const act = this.keys()[key.length === 1 ? key.toLowerCase() : event.shiftKey && key.startsWith("Arrow") ? `Shift${key}` : key];
+    // A table that the keyboard has gone to is scrolled by its arrows.
+    if (key.startsWith("Arrow") && target.matches?.(".table:focus-visible")) return;
+    const keys = this.keys(), name = key.length === 1 ? key.toLowerCase() : key;
+    const act = (event.shiftKey && keys[`Shift${name}`]) || keys[name];
     if (act) act();
     else if (/^[0-9]$/.test(key)) this.digit(key);
     else return;
@@ -84,6 +91,12 @@ class Player {
       ArrowRight: () => this.step(1),
       ShiftArrowLeft: () => this.seek(this.time - 1),
       ShiftArrowRight: () => this.seek(this.time + 1),
+      ",": () => this.step(-1, true),
+      ".": () => this.step(1, true),
+      n: () => this.nextNode(-1),
+      Shiftn: () => this.nextNode(1),
+      i: () => this.focusedView.zoomBy(ZOOM),
+      o: () => this.focusedView.zoomBy(1 / ZOOM),
       Home: () => this.seek(0),
       End: () => this.seek(this.end),
       "+": () => this.faster(1),
@@ -104,6 +117,27 @@ class Player {
     this.digits = { text, at: now };
     if (Number(text) < this.chosen.count) this.choose(this.run, Number(text));
     else this.say(`there is no robot ${text}`);
+  }
+
+  // The map that has the focus, or that of the chosen run.
+  get focusedView() {
+    return this.views.find((view) => view.top === document.activeElement) || this.views[this.run];
+  }
+
+  // Choose the node that the chosen robot, or any, made before or after the one that is chosen: at
+  // first the newest.
+  nextNode(direction) {
+    const { chosen, robot, panel } = this, { nodes } = chosen, time = this.timeOf(chosen), own = [];
+    for (let node = 0; node < nodes.count; node++) {
+      if (nodes.t[node] <= time && (robot === TEAM || nodes.robot[node] === robot)) own.push(node);
+    }
+    const at = own.indexOf(panel.node), node = at < 0 ? own.at(-1) : own[at + direction];
+    if (node === undefined) {
+      this.say(direction < 0 ? "no earlier node" : "no later node");
+      return;
+    }
+    this.views[this.run].bringIn(nodes.x[node], nodes.y[node]);
+    this.pick(this.run, { robot: nodes.robot[node], node });
   }
 
   playOrPause() {
@@ -135,8 +169,12 @@ class Player {
 
   seek(time) {
     this.say(""); // an event is no longer the last one
-    this.time = Math.max(0, Math.min(this.end, time));
+    this.time = this.within(time);
     this.update();
+  }
+
+  within(time) {
+    return Math.max(0, Math.min(this.end, time));
   }
 
   setPace(pace) {
@@ -171,24 +209,36 @@ class Player {
     return { behind, shown: null };
   }
 
-  // The next or previous event of the chosen robot, or of any robot of any run.
-  step(direction) {
+  // The next or previous event, or decision, of the chosen robot, or of any robot of any run.
+  step(direction, toDecision = false) {
     if (this.isPlaying) this.pause();
     const { behind, shown } = this.positions(direction);
     let best = null;
     this.runs.forEach((run, number) => {
       const { t, rows } = this.eventsOf(run);
-      const k = direction > 0 ? behind[number] : behind[number] - (shown === number ? 2 : 1);
+      let k = direction > 0 ? behind[number] : behind[number] - (shown === number ? 2 : 1);
+      while (toDecision && k >= 0 && k < t.length && !run.isDecision(rows ? rows[k] : k)) k += direction;
       if (k < 0 || k >= t.length) return;
       if (!best || direction * (t[k] - best.t) < 0) best = { t: t[k], number, k, row: rows ? rows[k] : k };
     });
     if (!best) {
-      this.say(direction > 0 ? "no later event" : "no earlier event");
+      this.say(`no ${direction > 0 ? "later" : "earlier"} ${toDecision ? "decision" : "event"}`);
       return;
     }
     if (direction < 0 && shown !== null && shown !== best.number) behind[shown]--;
+    if (toDecision) this.passOver(behind, direction, best.t);
     behind[best.number] = best.k + 1;
     this.show(best.number, best.row, behind);
+  }
+
+  // Leave behind, or ahead, what other runs have before, or after, a time.
+  passOver(behind, direction, time) {
+    this.runs.forEach((run, number) => {
+      const { t } = this.eventsOf(run), upTo = lastBy(t, time) + 1;
+      let before = upTo;
+      while (before > 0 && t[before - 1] >= time) before--;
+      behind[number] = direction > 0 ? Math.max(behind[number], before) : Math.min(behind[number], upTo);
+    });
   }
 
   goTo(number, row) {
@@ -200,8 +250,9 @@ class Player {
 
   show(number, row, behind) {
     const run = this.runs[number];
-    this.seek(run.log.t[row]);
+    this.time = this.within(run.log.t[row]);
     this.steps = { behind, shown: number, key: `${this.time} ${this.robot}` };
+    this.update();
     this.say((this.runs.length > 1 ? `${run.title}: ` : "") + run.said(row));
   }
 
@@ -239,6 +290,7 @@ class Player {
     button.setAttribute("aria-pressed", String(this.colours.isDark));
     this.lines.redraw();
     this.legend.recolour();
+    this.panel.recolour();
     this.redraw();
   }
 
@@ -260,11 +312,13 @@ class Player {
     byId("scrub").setAttribute("aria-valuetext", `${this.time.toFixed(1)} s of ${this.end.toFixed(1)} s`);
     byId("clock").textContent = `${this.time.toFixed(1)} / ${this.end.toFixed(1)} s`;
     this.views.forEach((view, number) => view.element.classList.toggle("chosen", this.runs.length > 1 && number === this.run));
+    for (const view of this.views) view.tell();
     this.lines.follow(this.time);
     this.lines.say(this.time);
     this.legend.update();
     this.panel.update();
     this.told = performance.now();
+    this.toldTime = this.time;
   }
 
   redraw() {
@@ -285,6 +339,7 @@ class Player {
     for (const view of this.views) view.prepare(this.timeOf(view.run), until);
     this.isThere = this.views.every((view) => view.isThere);
     this.isComplete = this.views.every((view) => view.isDone);
+    for (const view of this.views) view.tellDrawing(performance.now());
     if (this.isWorthPainting) this.paint(now);
     if (this.isThere) this.isChanged = false;
     if (this.isPlaying || !this.isComplete) this.schedule();
@@ -310,7 +365,7 @@ class Player {
     if (!this.isPlaying) return;
     this.lines.follow(this.time);
     byId("clock").textContent = `${this.time.toFixed(1)} / ${this.end.toFixed(1)} s`;
-    if (now - this.told > PANEL_MS) this.tell();
+    if (now - this.told > PANEL_MS || this.time - this.toldTime > PANEL_S) this.tell();
     if (now - this.noted > NOTE_MS) this.note();
     if (this.time >= this.end && this.isThere) this.pause();
   }

@@ -5,8 +5,9 @@ const TEAM = -1; // the map of all robots together
 class Run {
   constructor(packed) {
     this.packed = packed;
-    this.title = packed.title;
+    this.title = packed.label;
     this.end = packed.end / 1000;
+    this.isGoingOn = packed.outcome === "still going on";
     this.bounds = packed.world.bounds.map((value) => value / 1000);
     this.rings = unpackPoints(packed.world.rings);
     this.robots = packed.robots.map((robot) => ({ ...robot, body: unpackPoints(robot.body), track: trackOf(robot.track) }));
@@ -55,6 +56,7 @@ class Run {
       robots: explanations.robots.map((own) => ({ t: running(own.t, 1000), text: whole(own.text) })),
     };
     this.activities = activities.robots.map((own) => ({ t: running(own.t, 1000), what: own.what }));
+    this.cutOff = activities.cut_off.map((own) => ({ begin: running(own.begin, 1000), end: running(own.end, 1000) }));
     this.coverage = curves.coverage && { t: running(curves.coverage.t, 1000), coverage: running(curves.coverage.coverage, 1e4), seen: running(curves.coverage.seen, 1e4) };
     this.isolated = { t: running(curves.isolated.t, 1000), robots: curves.isolated.robots };
   }
@@ -139,6 +141,23 @@ class Run {
     const { t, what } = this.activities[robot];
     const row = lastBy(t, time);
     return row < 0 ? null : what[row];
+  }
+
+  // Whether a robot is cut off from all others.
+  isCutOff(robot, time) {
+    const { begin, end } = this.cutOff[robot], row = lastBy(begin, time);
+    return row >= 0 && (end[row] > time || end[row] >= this.end);
+  }
+
+  // What a robot is doing, in words.
+  doing(robot, time) {
+    const what = this.activity(robot, time);
+    return (what === null ? "" : this.packed.activities.names[what]) + (this.isCutOff(robot, time) ? ", cut off" : "");
+  }
+
+  // Whether an event is a decision.
+  isDecision(row) {
+    return ["decision", "goal_chosen", "decided"].includes(this.log.kinds[this.log.kind[row]]);
   }
 
   said(row) {

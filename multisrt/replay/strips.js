@@ -4,6 +4,7 @@ const ROW_PX = 14;
 const MIN_ROW_PX = 4;
 const ROWS_PX = 170; // of all rows of a large team
 const NUMBER_PX = 12; // between the numbers of two rows, at least
+const CUT_OFF = 0.2; // of a row: a bar below the activity while a robot is cut off
 
 // Activities differ in colour, in the part of the height that they take, and in hatches; the
 // colours are those of figures of activities.
@@ -12,7 +13,6 @@ const ACTIVITY_STYLES = {
   "supports": { colour: "#56b4e9", share: 0.9, isHatched: true },
   "coordinates": { colour: "#e69f00", share: 0.6 },
   "waits": { colour: "solid", share: 0.3 },
-  "cut off": { colour: "#b94600", share: 0.75, isHatched: true },
   "done": { colour: "soft", share: 0.75, isHollow: true },
   "dead": { colour: "ink", share: 0.2 },
   "not started": { colour: "soft", share: 0, isDotted: true },
@@ -34,21 +34,24 @@ class Strip extends Plot {
   paint(c) {
     const { run, player, row } = this, { names } = run.packed.activities;
     const every = [1, 2, 5, 10, 20, 50].find((step) => step * row >= NUMBER_PX);
+    const bar = canBeCutOff(run) ? Math.max(1, Math.round(CUT_OFF * row)) : 0;
     run.activities.forEach(({ t, what }, robot) => {
       const top = TOP_PX + robot * row;
       if (robot % every === 0) this.text(c, String(robot), GUTTER_PX - 5, top + row / 2, "right");
       for (let k = 0; k < t.length; k++) {
         const until = k + 1 < t.length ? t[k + 1] : run.end;
-        paintActivity(c, player.colours, names[what[k]], this.x(t[k]), top, this.x(until) - this.x(t[k]), row);
+        paintActivity(c, player.colours, names[what[k]], this.x(t[k]), top, this.x(until) - this.x(t[k]), row - bar);
       }
+      const { begin, end } = run.cutOff[robot];
+      c.fillStyle = player.colours.frontier;
+      for (let k = 0; k < begin.length; k++) c.fillRect(this.x(begin[k]), top + row - 1 - bar, Math.max(1, this.x(end[k]) - this.x(begin[k])), bar);
     });
     this.text(c, "robot", 2, TOP_PX + row / 2, "left");
   }
 
   say(time) {
     const robot = this.player.robotOf(this.run);
-    const what = robot === TEAM ? null : this.run.activity(robot, Math.min(time, this.run.end));
-    this.value.textContent = what === null ? "" : `robot ${robot}: ${this.run.packed.activities.names[what]}`;
+    this.value.textContent = robot === TEAM ? "" : `robot ${robot}: ${this.run.doing(robot, Math.min(time, this.run.end))}`;
   }
 }
 
@@ -90,12 +93,21 @@ function hatch(c, paper, x, y, width, height) {
 function activityKeys(player) {
   const list = make("ul", { className: "keys" });
   list.setAttribute("aria-label", "What the strips show");
-  for (const name of player.runs[0].packed.activities.names) {
+  const add = (name, paint) => {
     const canvas = make("canvas", { width: 64, height: 28 }), context = canvas.getContext("2d");
     canvas.setAttribute("aria-hidden", "true");
     context.scale(2, 2);
-    paintActivity(context, player.colours, name, 0, 0, 32, 14);
+    paint(context);
     list.append(make("li", {}, canvas, name));
+  };
+  for (const name of player.runs[0].packed.activities.names) {
+    add(name, (c) => paintActivity(c, player.colours, name, 0, 0, 32, ROW_PX));
+  }
+  if (player.runs.some(canBeCutOff)) {
+    add("cut off (below)", (c) => {
+      c.fillStyle = player.colours.frontier;
+      c.fillRect(0, 10, 32, 3);
+    });
   }
   return list;
 }
@@ -126,8 +138,9 @@ class Lines {
     this.player = player;
     const shown = CURVES.filter(({ isOf }) => player.runs.some(isOf));
     curves.style.setProperty("--curves", shown.length);
-    this.plots = shown.map((curve) => new Curve(player, curves, curve.title, curve));
-    for (const curve of CURVES) if (!shown.includes(curve)) curves.append(make("p", { className: "without", textContent: curve.otherwise }));
+    this.plots = shown.map((curve) => new Curve(player, curves, titleOf(curve, player.runs), curve));
+    const hasTeam = player.runs.some((run) => run.count > 1);
+    for (const curve of CURVES) if (!shown.includes(curve) && (hasTeam || !curve.isOfTeams)) curves.append(make("p", { className: "without", textContent: curve.otherwise }));
     this.plots.push(...player.runs.map((run) => new Strip(player, strips, run)));
     this.keys = [];
     this.places = [[curves, runKeys], [strips, activityKeys]].slice(player.runs.length > 1 ? 0 : 1);

@@ -4,6 +4,8 @@ const PICK_PX = 14;
 const MARGIN = 0.04;
 const MAX_SCALE = 2000; // pixels of the screen per metre
 const MOVING_MS = 120; // after the last move of the map
+const NOTE_AFTER_MS = 300; // for which layers are missing
+const STEP = 0.15; // of the map's size, by which a key moves it
 
 class View {
   constructor(run, number, player) {
@@ -12,14 +14,17 @@ class View {
     this.player = player;
     this.element = make("div", { className: "view" });
     this.name = make("p", { className: "name", textContent: run.title });
+    this.state = make("p", { className: "state", hidden: true });
+    this.drawing = make("p", { className: "drawing", hidden: true, textContent: "drawing the map \u2026" });
     this.below = make("canvas", { className: "below" });
     this.top = make("canvas", { className: "top", tabIndex: 0 });
     this.below.setAttribute("aria-hidden", "true");
     this.top.setAttribute("role", "img");
     this.top.setAttribute("aria-label", `Map of ${run.title}`);
-    this.element.append(this.name, this.below, this.top);
+    this.element.append(make("div", { className: "chips" }, this.name, this.state), this.drawing, this.below, this.top);
     this.camera = null;
     this.movedAt = -Infinity;
+    this.missingSince = null;
     this.ground = new Ground(this);
     this.marks = new Marks(this);
     this.pointers = new Map();
@@ -114,6 +119,28 @@ class View {
     top.addEventListener("pointerup", lift);
     top.addEventListener("pointercancel", lift);
     top.addEventListener("dblclick", () => this.showWhole());
+    top.addEventListener("keydown", (event) => this.press(event));
+  }
+
+  // With the map focused, alt and an arrow move it.
+  press(event) {
+    const ways = { ArrowLeft: [1, 0], ArrowRight: [-1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+    const way = event.altKey && !event.ctrlKey && !event.metaKey && ways[event.key];
+    if (!way) return;
+    event.preventDefault();
+    this.move(way[0] * STEP * this.width, way[1] * STEP * this.height);
+  }
+
+  // Zoom about the middle of the map.
+  zoomBy(factor) {
+    if (this.camera) this.zoom(factor, this.width / 2, this.height / 2);
+  }
+
+  // Move the map to a place that it does not show.
+  bringIn(x, y) {
+    if (!this.camera) return;
+    const px = this.x(x), py = this.y(y), { camera } = this;
+    if (px < 0 || py < 0 || px > this.width || py > this.height) this.look(Camera.around(x, y, camera.scale, camera), false);
   }
 
   pinch(id, before, now) {
@@ -148,6 +175,25 @@ class View {
   // Prepare the map of a time, until a moment.
   prepare(time, until) {
     if (this.camera) this.ground.prepare(time, until);
+  }
+
+  // Say what the map shows in place of what is chosen, and that its run has ended.
+  tell() {
+    const { run, player } = this, said = [];
+    if (player.robot >= run.count) said.push(`no robot ${player.robot}: map of the team`);
+    if (player.time > run.end) said.push(`${run.isGoingOn ? "so far until" : "ended at"} ${run.end.toFixed(1)} s`);
+    this.state.hidden = !said.length;
+    this.state.textContent = said.join("; ");
+  }
+
+  // Say so if layers have been missing for a while.
+  tellDrawing(now) {
+    if (this.isThere) this.missingSince = null;
+    else this.missingSince ??= now;
+    const isLate = this.missingSince !== null && now - this.missingSince > NOTE_AFTER_MS;
+    if (this.drawing.hidden !== isLate) return;
+    this.drawing.hidden = !isLate;
+    this.element.setAttribute("aria-busy", String(isLate));
   }
 
   get isThere() {

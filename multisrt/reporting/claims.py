@@ -24,8 +24,8 @@ class Claim:
     grounds : tuple of str
         The figures behind the verdict, one sentence each.
     would_show : str
-        For the verdict "not significant": the difference that this number of runs can detect, which
-        tells a small effect from too few runs. Empty for other verdicts.
+        The smallest effect that this number of runs would have found, which tells a small effect
+        from too few runs. Empty if the claim was not tested.
 
     Examples
     --------
@@ -48,8 +48,10 @@ class Claim:
 
     @property
     def told(self) -> str:
-        """The verdict, followed by the detectable difference where there is one."""
-        return f"{self.verdict} ({self.would_show})" if self.would_show else self.verdict
+        """The verdict; if it is "not significant", followed by the effect it would have found."""
+        if self.verdict != "not significant" or not self.would_show:
+            return self.verdict
+        return f"{self.verdict} ({self.would_show})"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

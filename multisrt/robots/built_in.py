@@ -18,7 +18,7 @@ from multisrt.robots.frontier.options import (
     SelfBiddingOptions,
     UtilityOptions,
 )
-from multisrt.robots.multi_srt.options import MultiSrtOptions
+from multisrt.robots.multi_srt.options import BallOptions, MultiSrtOptions
 from multisrt.robots.strategy import Strategy
 
 if TYPE_CHECKING:
@@ -92,9 +92,7 @@ def _require_talk(spec: RunSpec) -> None:
 _SRT = "Sensor-based Random Tree; safe regions "
 
 BUILT_IN = (
-    _strategy(
-        "srt-ball", f"{_SRT}are discs of the smallest reading", MultiSrtOptions, _require_reach
-    ),
+    _strategy("srt-ball", f"{_SRT}are discs of the smallest reading", BallOptions, _require_reach),
     _strategy("srt-star", f"{_SRT}are stars of equal cones", MultiSrtOptions, _require_reach),
     _strategy("srt-radial", f"{_SRT}keep every reading", MultiSrtOptions, _require_reach),
     _bids("closest", "Every robot to its nearest frontier", BiddingOptions),

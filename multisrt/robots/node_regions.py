@@ -15,6 +15,7 @@ from multisrt.geometry.numerics.kernel import IntArray
 from multisrt.geometry.numerics.point_hash import PointHash
 from multisrt.geometry.numerics.rings import Rings
 from multisrt.geometry.regions.known_space import KnownSpace
+from multisrt.geometry.regions.union_border import UnionBorder
 from multisrt.robots.knowledge import Node, NodeId
 
 Box = tuple[float, float, float, float]
@@ -44,7 +45,7 @@ class NodeRegions:
         The boundaries of the regions.
     """
 
-    __slots__ = ("id_rows", "ids", "numbers", "places", "reach_m", "rings")
+    __slots__ = ("_border", "id_rows", "ids", "numbers", "places", "reach_m", "rings")
 
     def __init__(self, reach_m: float) -> None:
         self.reach_m = reach_m
@@ -53,6 +54,7 @@ class NodeRegions:
         self.numbers: dict[NodeId, int] = {}
         self.places = PointHash(reach_m)
         self.rings = Rings()
+        self._border = UnionBorder(self.rings)
 
     def __len__(self) -> int:
         return len(self.ids)
@@ -77,7 +79,7 @@ class NodeRegions:
     def known_space(self, x: float, y: float, half_width_m: float) -> KnownSpace:
         """Return the union of the regions inside a window, for bodies that move in it."""
         window, near = self._window(x, y, half_width_m)
-        return KnownSpace(self.rings, near, window)
+        return KnownSpace(self.rings, near, window, self._border)
 
     def local_union(self, x: float, y: float, half_width_m: float) -> BaseGeometry:
         """Return the union of the regions inside a window, as a shapely geometry."""

@@ -64,6 +64,7 @@ def follow(
     *,
     limit_m: float = math.inf,
     min_length_m: float = MIN_MOTION_M,
+    until_s: float = math.inf,
 ) -> Trajectory | None:
     """Return the motion along the longest beginning of a path that stays in a region.
 
@@ -84,6 +85,8 @@ def follow(
         Maximum length of the motion in metres.
     min_length_m : float
         Minimum length in metres of a motion that does not reach the end of the path.
+    until_s : float
+        Time in seconds up to which the motion is needed. Legs that begin later are left out.
 
     Returns
     -------
@@ -120,6 +123,8 @@ def follow(
     motion: Trajectory | None = None
     driven = 0.0
     for corner in corners:
+        if motion is not None and motion.duration_s >= until_s and driven >= min_length_m:
+            break
         here = at if motion is None else motion.end
         x, y = _within(here, corner, limit_m - driven)
         distance = math.dist((x, y), here[:2])

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.grids.march_cells import first_outside
 from multisrt.geometry.grids.occupancy.change_log import ChangeLog
 from multisrt.geometry.grids.occupancy.frontier_groups import FrontierGroup, FrontierGroups
 from multisrt.geometry.grids.occupancy.layers import (
@@ -23,6 +24,7 @@ from multisrt.geometry.grids.occupancy.painting import paint_region
 from multisrt.geometry.grids.occupancy.passability import (
     block_discs,
     frontier_is_within,
+    indices_at,
     nearest_passable,
 )
 from multisrt.geometry.grids.raster import (
@@ -274,16 +276,38 @@ class Occupancy:
         InvalidInputError
             If a cell is not in the window.
         """
-        rows_columns = np.asarray(cells, np.int64).reshape(-1, 2)
-        index = rows_columns - (self.row, self.column)
-        outside = ((index < 0) | (index >= self.cells.shape)).any(axis=1)
-        if outside.any():
-            row, column = rows_columns[int(np.flatnonzero(outside)[0])].tolist()
-            raise InvalidInputError(
-                f"cell ({row}, {column}) is not in the window of {self.cells.shape[0]} rows from "
-                f"{self.row} and {self.cells.shape[1]} columns from {self.column}"
-            )
+        index = np.array(cells, np.int64, order="C").reshape(-1, 2)
+        index -= (self.row, self.column)
+        self._require_inside(index)
         return index[:, 0], index[:, 1]
+
+    def indices_at(self, places: ArrayLike) -> IntArray:
+        """Return where the cells that hold points are in the arrays at present, ``(k, 2)``.
+
+        Parameters
+        ----------
+        places : (k, 2) array_like
+            Points x, y in metres.
+
+        Raises
+        ------
+        InvalidInputError
+            If a point is not in the window.
+        """
+        points = np.ascontiguousarray(places, np.float64).reshape(-1, 2)
+        index = indices_at(points, self._layers)
+        self._require_inside(index)
+        return index
+
+    def _require_inside(self, index: IntArray) -> None:
+        rows, columns = self.cells.shape
+        outside = first_outside(index, rows, columns)
+        if outside >= 0:
+            row, column = (index[outside] + (self.row, self.column)).tolist()
+            raise InvalidInputError(
+                f"cell ({row}, {column}) is not in the window of {rows} rows from "
+                f"{self.row} and {columns} columns from {self.column}"
+            )
 
     def square(self, row: int, column: int, width: int) -> ByteArray:
         """Return the cells of a square, `UNKNOWN` where nothing is stored.

@@ -115,3 +115,22 @@ def frontier_is_within(x: float, y: float, radius_m: float, layers: Layers) -> b
             if marks[r, c] & FRONTIER and dx * dx + dy * dy <= radius_m * radius_m:
                 return True
     return False
+
+
+@kernel
+def indices_at(points: FloatArray, layers: Layers) -> IntArray:
+    """Return the rows and columns of the arrays in which points lie, inside or not, ``(k, 2)``.
+
+    Parameters
+    ----------
+    points : (k, 2) array
+        Points x, y in metres.
+    layers : Layers
+        The window.
+    """
+    cell = layers.cell_m
+    indices = np.empty(points.shape, np.int64)
+    for i in range(points.shape[0]):
+        indices[i, 0] = int(np.floor(points[i, 1] / cell + OFFSET_Y)) - layers.row
+        indices[i, 1] = int(np.floor(points[i, 0] / cell + OFFSET_X)) - layers.column
+    return indices

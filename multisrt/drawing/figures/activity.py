@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
-from multisrt.analysis.activity import ACTIVITIES, Activity, activities
+from multisrt.analysis.activity import ACTIVITIES, Activity, Spell, activities
+from multisrt.analysis.isolation import isolation
 from multisrt.drawing.colours import INK, VERMILION, WHITE
 from multisrt.drawing.figures.style import FigureStyle, freeze, legend_below, new_figure
 from multisrt.recording import Recording
@@ -21,6 +22,13 @@ STRIP_IN: Final = 0.2
 """Height of the strip of a robot, in inches."""
 
 
+STRIP: Final = (-0.38, 0.76)
+"""Top of a strip, from the middle of its row, and its height."""
+
+CUT_OFF: Final = (0.22, 0.16)
+"""The same of the bar that shows when the robot was cut off, over the lower edge of the strip."""
+
+
 class Fill(NamedTuple):
     """How an activity is filled: colours differ in lightness or hatching."""
 
@@ -33,7 +41,7 @@ FILLS: Final[dict[Activity, Fill]] = {
     "coordinates": Fill("#e69f00"),
     "moves": Fill("#0072b2"),
     "supports": Fill("#56b4e9", "////"),
-    "cut off": Fill(VERMILION, "xxxx"),
+    "cut off": Fill(VERMILION),
     "done": Fill(WHITE),
     "dead": Fill(INK),
     "not started": Fill(WHITE, "...."),
@@ -41,7 +49,10 @@ FILLS: Final[dict[Activity, Fill]] = {
 
 
 def draw_activity(recording: Recording, ax: Axes, robots: Sequence[int] | None = None) -> list[Any]:
-    """Draw a strip for each robot, filled by what it was doing; see `activities`.
+    """Draw a strip for each robot, filled by what it was doing, and when it was cut off.
+
+    What robots do is what `activities` tells of them without isolation; a bar over the lower edge
+    of a strip is drawn while its robot is isolated, see `multisrt.isolation`.
 
     Parameters
     ----------
@@ -59,20 +70,23 @@ def draw_activity(recording: Recording, ax: Axes, robots: Sequence[int] | None =
     """
     from matplotlib.patches import Patch
 
-    found = activities(recording)
+    found = activities(recording, with_isolation=False)
+    cut_off = isolation(recording)
     rows = list(range(len(found)) if robots is None else robots)
     there = set()
     for row, robot in enumerate(rows):
-        for activity, fill in FILLS.items():
-            spans = [
-                (spell.start_s, spell.end_s - spell.start_s)
-                for spell in found[robot]
-                if spell.activity == activity
-            ]
+        spells = [*found[robot], *(Spell(*own, "cut off") for own in cut_off[robot].spells)]
+        # Bars last, as they lie over the strips.
+        for activity in sorted(FILLS, key=lambda name: name == "cut off"):
+            spans = [(s.start_s, s.end_s - s.start_s) for s in spells if s.activity == activity]
             if spans:
                 there.add(activity)
+                top, height = CUT_OFF if activity == "cut off" else STRIP
                 ax.broken_barh(
-                    spans, (row - 0.38, 0.76), **_look(fill), gid=f"robot {robot} {activity}"
+                    spans,
+                    (row + top, height),
+                    **_look(FILLS[activity]),
+                    gid=f"robot {robot} {activity}",
                 )
     ax.set_yticks(range(len(rows)), [str(robot) for robot in rows])
     ax.set_ylim(len(rows) - 0.5, -0.5)

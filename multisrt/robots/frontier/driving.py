@@ -90,8 +90,14 @@ def drive_leg(
     """
     car = robot.car
     if car is None:
-        kinematics, boundary = robot.me.kinematics, robot.map.boundary
-        motion = follow(robot.driven_body(), kinematics, boundary, robot.at, path)
+        motion = follow(
+            robot.driven_body(),
+            robot.me.kinematics,
+            robot.map.boundary,
+            robot.at,
+            path,
+            until_s=robot.options.sense_period_s,
+        )
     else:
         motion = yield from car.motion_along(path)
     if motion is None:

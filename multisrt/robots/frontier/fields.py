@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from multisrt.geometry.grids.distance_field import DistanceField
 from multisrt.geometry.grids.occupancy import Occupancy
 from multisrt.geometry.numerics.kernel import FloatArray, IntArray
@@ -12,7 +10,7 @@ from multisrt.robots.frontier.goal import Place
 NEAR_BY_CELLS = 8
 """Bounds, in cells, how far from a robot's own cell its paths may begin."""
 
-MAX_FIELDS = 8
+MAX_FIELDS = 16
 """Number of distance fields that are kept; the one not asked for longest is dropped."""
 
 
@@ -82,4 +80,4 @@ def indices_of(raster: Occupancy, places: FloatArray) -> IntArray:
     (k, 2) array of int
         Row and column of each.
     """
-    return np.column_stack(raster.indices_of(raster.cells_of(places)))
+    return raster.indices_at(places)

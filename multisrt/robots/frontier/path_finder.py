@@ -70,6 +70,9 @@ class PathFinder:
             Bodies besides those in the way; of one robot, these count.
         """
         bodies = {s.robot: s for s in (*self._bodies.sightings(), *sightings)}
+        if not bodies and not len(self._discs):
+            yield
+            return
         discs = discs_of(bodies.values(), self._body.outer_radius_m)
         before, self._discs = self._discs, discs
         try:

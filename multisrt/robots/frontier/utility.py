@@ -10,6 +10,7 @@ start, get theirs together, by the rule.
 
 from __future__ import annotations
 
+import math
 import weakref
 from collections.abc import Collection, Generator
 from typing import Final, cast
@@ -20,13 +21,12 @@ from multisrt.geometry.grids.occupancy import OCCUPIED
 from multisrt.geometry.grids.sight import in_sight
 from multisrt.geometry.numerics.arrays import BoolArray, FloatArray
 from multisrt.planners.assignment.closest import closest
-from multisrt.planners.assignment.costs import DenseCosts
 from multisrt.planners.assignment.utility import UtilityAssignment, overlap, utility
 from multisrt.robots.explorer import Action, Outcome, Send, Steps
 from multisrt.robots.frontier.messages import AssignmentMessage
 from multisrt.robots.frontier.options import UtilityOptions
 from multisrt.robots.frontier.robot import FrontierRobot
-from multisrt.robots.frontier.wavefront_costs import Table, own_costs
+from multisrt.robots.frontier.wavefront_costs import Table, WavefrontCosts, own_costs
 from multisrt.robots.frontier.wavefront_rules import Choice, settle_on
 
 MAX_REQUESTS: Final = 3
@@ -178,16 +178,28 @@ def _kept_goals(robot: FrontierRobot, needy: Collection[int]) -> FloatArray:
 
 def follow_assignment(robot: FrontierRobot, assignment: AssignmentMessage, because: str) -> Choice:
     """Go where the leader says, or to the nearest frontier if the own map has none there."""
-    table, place = own_costs(robot), assignment.goal
-    choice = closest(DenseCosts(table.costs), table.row)
+    costs = WavefrontCosts(robot, alone=True)
+    choice = _assigned_target(costs, assignment)
+    if choice is None:
+        # Where a frontier's target cannot be reached another cell of it may be.
+        costs = WavefrontCosts(robot, alone=True, whole=True)
+        choice = _assigned_target(costs, assignment)
     rounds: tuple[tuple[int, int, float, float], ...] = ()
-    if place is not None and len(table.targets):
-        gaps = np.hypot(*(table.targets - place).T)
-        nearest = int(np.argmin(gaps))
-        if gaps[nearest] <= robot.me.range_m and np.isfinite(table.costs[table.row, nearest]):
-            choice = nearest
-            rounds = ((robot.me.robot, nearest, assignment.utility, assignment.share),)
-    return (yield from settle_on(robot, table, choice, "utility", because, rounds=rounds))
+    if choice is None:
+        choice = closest(costs, costs.row)
+    else:
+        rounds = ((robot.me.robot, choice, assignment.utility, assignment.share),)
+    return (yield from settle_on(robot, costs.table(), choice, "utility", because, rounds=rounds))
+
+
+def _assigned_target(costs: WavefrontCosts, assignment: AssignmentMessage) -> int | None:
+    """Return the number of the target nearest to the assigned goal, None without one in reach."""
+    if assignment.goal is None or not len(costs.targets):
+        return None
+    gaps = np.hypot(*(costs.targets - assignment.goal).T)
+    nearest = int(np.argmin(gaps))
+    is_near = gaps[nearest] <= costs.robot.me.range_m
+    return nearest if is_near and math.isfinite(costs.own_cost(nearest)) else None
 
 
 def apart(places: FloatArray, targets: FloatArray) -> FloatArray:

@@ -19,6 +19,7 @@ from multisrt.geometry.grids.distance_field import DistanceField
 from multisrt.geometry.numerics.arrays import FloatArray, IntArray
 from multisrt.planners.assignment.positions import positions
 from multisrt.robots.frontier.fields import NEAR_BY_CELLS
+from multisrt.robots.frontier.goal import Place
 from multisrt.robots.frontier.robot import FrontierRobot
 
 BOUND_FACTOR: Final = 1.05
@@ -153,6 +154,13 @@ class WavefrontCosts:
         with self.robot.around_bodies():
             return self._first(robot, frontiers, limit_m)
 
+    def own_cost(self, target: int) -> float:
+        """Return the deciding robot's cost to a target in metres; ``inf`` if it cannot reach it."""
+        if self.field is not None and not np.isfinite(self.costs[self.row, target]):
+            with self.robot.around_bodies():
+                self.costs[self.row, target] = self.field.distance(self._indices[[target]])[0]
+        return float(self.costs[self.row, target])
+
     def _first(self, robot: int, frontiers: IntArray, limit_m: float) -> tuple[float, int] | None:
         field = self._field_from(robot)
         found = None if field is None else field.first(self._indices[frontiers], limit_m)
@@ -184,8 +192,7 @@ class WavefrontCosts:
             return
         wave = self.robot.field(*self.targets[target].tolist())
         assert wave is not None, "a target that can be reached is in a passable cell"
-        cells = np.array([self._cells[row] for row in waiting])
-        indices = np.column_stack(self.robot.raster.indices_of(cells))
+        indices = self.robot.indices_of(np.array([self._centres[row] for row in waiting]))
         while (found := wave.first(indices)) is not None:
             place, cost = found
             row = waiting.pop(place)
@@ -207,18 +214,22 @@ class WavefrontCosts:
         """Return the robots in other cells whose Euclidean distance allows them to be nearer."""
         near_m = BOUND_FACTOR * self.costs[robot, target]
         near_m += BOUND_CELLS * self.robot.raster.cell_m
-        centre_of, place = self.robot.raster.centre_of, self.targets[target].tolist()
+        own, place = self._cells[robot], self.targets[target].tolist()
         return [
             row
-            for row, cell in enumerate(self._cells)
-            if cell not in (None, self._cells[robot])
-            and math.dist(centre_of(*cell), place) <= near_m
+            for row, centre in self._centres.items()
+            if self._cells[row] != own and math.dist(centre, place) <= near_m
         ]
 
     @cached_property
     def _cells(self) -> list[tuple[int, int] | None]:
         near = self.robot.raster.passable_near
         return [near(x, y, NEAR_BY_CELLS) for x, y in self._places]
+
+    @cached_property
+    def _centres(self) -> dict[int, Place]:
+        centre_of = self.robot.raster.centre_of
+        return {row: centre_of(*cell) for row, cell in enumerate(self._cells) if cell is not None}
 
     def _field_from(self, row: int) -> DistanceField | None:
         if row not in self._fields:

@@ -50,10 +50,16 @@ class MultiSrtOptions(SrtOptions, frozen=True, kw_only=True, forbid_unknown_fiel
     select : {"closest_root", "most_recent"}
         Which of these trees is supported: the one whose root has the shortest path, or the
         one that was extended last.
+    entry : {"root", "nearest_open"}
+        Where a robot begins to extend a tree that it supports: at its root, as in the paper, or at
+        the nearest of its nodes with a frontier.
+    support_in_contact : bool
+        With a limited radio, whether a robot also supports the trees of robots that it has heard
+        from in the last `check_period_s`, as with an unlimited one.
     no_place_after : int or None
-        Without the third stage of the planner (``complete=False``): number of times that robots
-        of the same body and drive have found no place at a node, after which none of them goes
-        there to support its tree; they tell one another. None: each tries for itself.
+        Only without the third stage of the planner (``complete=False``): number of times that
+        robots of the same body and drive have found no place at a node, after which none of them
+        goes there to support its tree; they tell one another. None: each tries for itself.
     take_over_after_s : float
         With a limited radio, time after which a robot that is done with its own tree takes over
         the frontier of a robot that it has not heard from.
@@ -114,6 +120,8 @@ class MultiSrtOptions(SrtOptions, frozen=True, kw_only=True, forbid_unknown_fiel
     support: bool = True
     support_m: float | None = None
     select: Literal["closest_root", "most_recent"] = "closest_root"
+    entry: Literal["root", "nearest_open"] = "root"
+    support_in_contact: bool = False
     no_place_after: int | None = None
     take_over_after_s: float = 120.0
     ask_period_s: float = 0.5
@@ -142,6 +150,12 @@ class MultiSrtOptions(SrtOptions, frozen=True, kw_only=True, forbid_unknown_fiel
                 continue
             if not 0.0 < value < math.inf:
                 raise InvalidInputError(f"{name} is {value}; it must be positive")
+        if self.complete and self.no_place_after is not None:
+            raise InvalidInputError(
+                f"no_place_after is {self.no_place_after}, but complete is true: with the third "
+                "stage of the planner robots do not tell where they found no place; set complete "
+                "to false, or leave out no_place_after"
+            )
         for name in _AT_LEAST_ONE:
             if getattr(self, name) < 1:
                 raise InvalidInputError(f"{name} is {getattr(self, name)}; it must be at least 1")
@@ -151,3 +165,26 @@ class MultiSrtOptions(SrtOptions, frozen=True, kw_only=True, forbid_unknown_fiel
                     f"{high} is {getattr(self, high)}; it must be at least {low}, which is "
                     f"{getattr(self, low)}"
                 )
+
+
+class BallOptions(MultiSrtOptions, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Parameters of a Multi-SRT explorer whose safe regions are balls.
+
+    A ball is no larger than the distance from the nearest obstacle, and allows steps that are as
+    small. In a corridor of three body widths they are shorter than the `d_min_m` of other regions,
+    which would refuse all of them.
+
+    Attributes
+    ----------
+    d_min_m : float or None
+        As above; here None for half of the body's width.
+
+    Examples
+    --------
+    >>> MultiSrtOptions().distance_from_nodes_m(0.5), BallOptions().distance_from_nodes_m(0.5)
+    (0.5, 0.25)
+    """
+
+    def distance_from_nodes_m(self, width_m: float) -> float:
+        """Return `d_min_m`, or its default for a body of this width in metres."""
+        return 0.5 * width_m if self.d_min_m is None else self.d_min_m

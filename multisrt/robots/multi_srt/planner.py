@@ -69,7 +69,7 @@ class Planner:
         found = self._draw_or_approach(here, frontier, draws)
         if found is not None:
             return found
-        if robot.no_place_limit is not None and len(frontier) and not robot.obstacles:
+        if robot.options.no_place_after is not None and len(frontier) and not robot.obstacles:
             yield from robot.team.tell_no_place(here)
         parent = robot.map[here].parent
         steps_back = robot.options.backtrack == "parent" and not self._completing

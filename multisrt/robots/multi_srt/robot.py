@@ -100,14 +100,9 @@ class SrtRobot:
         """Whether distance does not limit its radio (paper: unlimited communication range)."""
         return math.isinf(self.me.radio.range_m)
 
-    @property
-    def no_place_limit(self) -> int | None:
-        """`no_place_after` of the options; None where robots do not tell where they found none."""
-        return None if self.options.complete else self.options.no_place_after
-
     def is_without_place(self, node: NodeId) -> bool:
         """Whether robots like this one found no place at a node `no_place_after` times."""
-        limit = self.no_place_limit
+        limit = self.options.no_place_after
         return limit is not None and self.team.without_place[node] >= limit
 
     def refuse(self, x: float, y: float) -> str | None:

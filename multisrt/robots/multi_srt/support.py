@@ -3,7 +3,8 @@
 Source: Multi-SRT, paper section 2, SUPPORT_OTHERS. Differs in:
 
 - With a limited radio, where the paper has no support, a robot takes over the trees of robots that
-  it has not heard from for long.
+  it has not heard from for long; with `support_in_contact` it also supports those of robots that it
+  has just heard from.
 - A robot that has extended another's tree goes home from where it stands, not by way of the root
   of that tree.
 - A tree that the robot has supported before is selected again only if its open frontier is longer
@@ -68,9 +69,20 @@ def support_others(robot: SrtRobot, supported: Supported) -> Steps:
 
 
 def support(robot: SrtRobot, tree: NodeId) -> Steps:
-    """Go to the root of another robot's tree, and extend it."""
-    yield from transfer_to(robot, tree, tree)
+    """Go to another robot's tree, and extend it."""
+    yield from transfer_to(robot, entry(robot, tree), tree)
     yield from build_srt(robot, supports=True)
+
+
+def entry(robot: SrtRobot, tree: NodeId) -> NodeId:
+    """Return the node of a tree to which a robot goes to support it; see the option `entry`."""
+    if robot.options.entry == "root":
+        return tree
+    route = robot.routes.to_nearest(
+        robot.at.node,
+        lambda node: robot.map.tree(node) == tree and robot.deferred.has_frontier(node),
+    )
+    return tree if route is None else route[-1]
 
 
 def select(robot: SrtRobot, supported: Supported) -> Generator[Action, Outcome, NodeId | None]:
@@ -128,7 +140,15 @@ def may_need_support(robot: SrtRobot, root: NodeId, open_m: float, active: int) 
     threshold_m = robot.me.range_m if support_m is None else support_m
     if open_m < threshold_m * active:
         return False
-    return robot.has_unlimited_range or _take_over_s(robot, root) <= robot.at.time_s
+    if robot.has_unlimited_range or _take_over_s(robot, root) <= robot.at.time_s:
+        return True
+    return robot.options.support_in_contact and is_in_contact(robot, root)
+
+
+def is_in_contact(robot: SrtRobot, root: NodeId) -> bool:
+    """Whether a robot has just heard from all that work on a tree, and from its owner."""
+    heard_s, since_s = robot.team.roster.heard_s, robot.at.time_s - robot.options.check_period_s
+    return all(heard_s.get(n, -math.inf) >= since_s for n in _at_work(robot, root))
 
 
 def _choose(robot: SrtRobot, candidates: tuple[NodeId, ...]) -> NodeId | None:
@@ -151,7 +171,7 @@ def open_frontier(robot: SrtRobot, root: NodeId) -> float:
     Without the arcs that the robot leaves for later, and, with `no_place_after`, without those of
     nodes at which robots like it have found no place.
     """
-    if robot.no_place_limit is None:
+    if robot.options.no_place_after is None:
         return robot.deferred.open_m(root)
     return math.fsum(
         total_length(robot.deferred.frontier(node))
@@ -303,13 +323,18 @@ def _last_extended_s(robot: SrtRobot, root: NodeId) -> float:
 
 def _take_over_s(robot: SrtRobot, root: NodeId) -> float:
     # With a limited radio: when a tree is free to be taken over from those that work on it.
+    times = [_gives_up_s(robot, number) for number in _at_work(robot, root)]
+    return max(times, default=-math.inf)
+
+
+def _at_work(robot: SrtRobot, root: NodeId) -> list[int]:
+    # The owner of a tree and the robots that are active in it, as far as is known.
     roster = robot.team.roster
-    times = [
-        _gives_up_s(robot, number)
+    return [
+        number
         for number, state in roster.states.items()
         if number not in roster.lost and (number == root.robot or state.tree == root)
     ]
-    return max(times, default=-math.inf)
 
 
 def _gives_up_s(robot: SrtRobot, number: int) -> float:

@@ -156,7 +156,12 @@ def test_a_silent_radio_cuts_both_robots_off(team, moved):
 def test_a_robot_out_of_range_is_cut_off(recorded, moved):
     # From 2 m to 7 m apart and on, at 1 m/s, with a radio of 4 m.
     way = moved((0.0, 3.0, 1.0, 0.0), (5.0, 8.0, 1.0, 0.0), robot=1)
-    found = activities(recorded(way, starts=TWO, radio=RadioSpec(range_m=4.0)))
+    made = recorded(way, starts=TWO, radio=RadioSpec(range_m=4.0))
+    assert activities(made, with_isolation=False) == [
+        spells(0.0, "waits", 50.0),
+        spells(0.0, "moves", 5.0, "waits", 50.0),
+    ]
+    found = activities(made)
     assert [[doing for *_, doing in robot] for robot in found] == [
         ["waits", "cut off"],
         ["moves", "cut off"],

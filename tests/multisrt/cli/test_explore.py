@@ -199,7 +199,7 @@ def test_summary_of_a_bidding_team(call, folder):
     code, out, _ = call("explore", *words, "--out", "bids", "--details")
     assert code == 0
     assert re.search(r"informative scans +\d+", out)
-    assert re.search(r"a robot isolated for +0\.0 s\b", out)
+    assert re.search(r"some robot isolated for +0\.0 s\b", out)
     assert re.search(r"longest isolation +0\.0 s\b", out)
     assert re.search(r"known to one robot only, over time +\d+ m2 s\b", out)
     assert re.search(r"known to one robot only, at the end +0\.0 m2\b", out)

@@ -46,8 +46,10 @@ def reproduce(call: Call) -> Call:
 def test_runs_are_made_here_or_on_a_cluster(reproduce, told, tmp_path):
     assert reproduce("alvarez", "--quick", "--seeds", "1", "--workers", "3")[0] == 0
     words = ("alvarez", "--quick", "--seeds", "2", "--cluster", "tcp://host:8786")
+    (tmp_path / "reproduced" / "alvarez-quick" / "results-ablations.sqlite").unlink()
     assert reproduce(*words, "--quiet") == (0, "", "")
-    assert told == [(3, None, ()), (None, "tcp://host:8786", ())]
+    # The experiment and its ablations.
+    assert told == [(3, None, ())] * 2 + [(None, "tcp://host:8786", ())] * 2
     there = sorted(tmp_path.rglob("*"))
     for both in (("--workers", "2", "--cluster", "c"), ("--cluster", "c", "--workers", "2")):
         code, out, err = reproduce("minpos", *both)
@@ -136,6 +138,45 @@ def test_a_summary_of_something_else_is_not_replaced(reproduce, folder):
     assert [path.name for path in (folder / "mine").iterdir()] == ["summary.md"]
 
 
+@pytest.mark.slow
+def test_ablations_have_a_store_and_tables_of_their_own(reproduce, folder):
+    code, out, _ = reproduce("sbx-r", "--quick", "--seeds", "6")
+    assert code == 0
+    # By hand: 10 conditions; 9 of ablations, which have six repetitions however many are asked.
+    expected, again = (line for line in out.splitlines() if "of one core" in line)
+    assert expected.startswith("60 runs, about ")
+    assert "; then 54 runs of ablations, about " in expected
+    assert expected.endswith("; an interrupted experiment continues with the same command")
+    assert again.startswith("54 runs of ablations, about ")
+    made = folder / "reproduced" / "sbx-r-quick"
+    assert (made / "results-ablations.sqlite").is_file()
+    text = (made / "summary.md").read_text()
+    assert "54 of 54 runs, 6 repetitions" in text
+    assert "### What single settings change" in text
+    # Medians and marks of five tables, one more of times, agreement, driving, twelve claims, and
+    # that of the ablations.
+    page = (made / "report" / "index.html").read_text()
+    assert page == "60 runs, 12 claims, 21 tables"
+    # A second call has nothing to do, and says nothing of time.
+    _, out, _ = reproduce("sbx-r", "--quick", "--seeds", "6")
+    assert "of one core" not in out
+    assert (made / "summary.md").read_text() == text
+
+
+@pytest.mark.slow
+def test_ablations_can_be_left_out(reproduce, folder):
+    words = ("sbx-r", "--quick", "--seeds", "1")
+    assert reproduce(*words, "--no-ablations")[0] == 0
+    made = folder / "reproduced" / "sbx-r-quick"
+    assert not (made / "results-ablations.sqlite").exists()
+    text = (made / "summary.md").read_text()
+    assert "--seeds 1 --no-ablations`" in text
+    assert "What changes do" not in text
+    # They can be added.
+    assert reproduce(*words)[0] == 0
+    assert "54 of 54 runs, 6 repetitions" in (made / "summary.md").read_text()
+
+
 def test_a_map_of_ones_own_takes_the_place_of_the_worlds(reproduce, folder):
     (folder / "office.wkt").write_text("POLYGON ((0 0, 20 0, 20 12, 0 12, 0 0))")
     words = ("sbx-r", "--quick", "--seeds", "1", "--map", "office.wkt")
@@ -143,6 +184,7 @@ def test_a_map_of_ones_own_takes_the_place_of_the_worlds(reproduce, folder):
     text = (folder / "reproduced" / "sbx-r-on-office-quick" / "summary.md").read_text()
     assert "--map office.wkt --seeds 1`" in text
     assert "World: the map office.wkt" in text
+    assert "54 of 54 runs, 6 repetitions" in text
     code, _, err = reproduce("sbx-r", "--map", "nowhere.wkt")
     assert (code, "nowhere.wkt" in err) == (2, True)
     code, _, err = reproduce("sbx-r", "--resolution", "0.05")

@@ -3,15 +3,24 @@ import pytest
 
 from multisrt.experiments.crossing import Condition
 from multisrt.presets import alvarez
+from multisrt.presets.alvarez_ablations import ABLATIONS
+from multisrt.presets.alvarez_experiment import (
+    DISTANCE_FALLS,
+    MIN_SUCCESS,
+    TIME_FALLS,
+    experiment,
+)
 from multisrt.presets.alvarez_maps import SCENARIOS
+from multisrt.presets.alvarez_outcomes import outcomes
+from multisrt.presets.cells import Cells
 from multisrt.presets.exponents import law
 from tests.multisrt.presets.constructed import laws, no_results, results_of
 
 # With few repetitions, so that numbers are small.
-FULL_ALVAREZ = msgspec.structs.replace(alvarez.experiment(False), repetitions=7)
+FULL_ALVAREZ = msgspec.structs.replace(experiment(False), repetitions=7)
 
 
-QUICK_ALVAREZ = msgspec.structs.replace(alvarez.experiment(True), repetitions=2)
+QUICK_ALVAREZ = msgspec.structs.replace(experiment(True), repetitions=2)
 
 
 def test_figures_of_alvarez_are_the_printed_ones():
@@ -23,13 +32,23 @@ def test_figures_of_alvarez_are_the_printed_ones():
     assert (first.time, first.distance) == ((747.31, -0.891), (140.97, -1.362))
     assert (last.area_m2, last.success_percent) == (4378.0, 96.56)
     assert (last.time, last.distance) == ((7083.3, -0.910), (1180.10, -0.970))
-    assert (dense.success_percent, alvarez.MIN_SUCCESS) == (94.06, 94.06)
+    assert (dense.success_percent, MIN_SUCCESS) == (94.06, 94.06)
     # Section 4.2.1: "-0.7 a -1.02 [...] y de -0.74 a -1.42"; its own exponents lie between.
-    assert alvarez.TIME_FALLS.band == (-1.02, -0.70)
-    assert alvarez.DISTANCE_FALLS.band == (-1.42, -0.74)
+    assert TIME_FALLS.band == (-1.02, -0.70)
+    assert DISTANCE_FALLS.band == (-1.42, -0.74)
     for scenario in SCENARIOS:
         assert -1.02 <= scenario.time[1] <= -0.70
         assert -1.42 <= scenario.distance[1] <= -0.74
+
+
+def test_what_is_said_of_the_printed_laws_is_so():
+    # At 0.1 m/s the printed distance of a single robot takes longer than the printed time.
+    speeds = [scenario.distance[0] / scenario.time[0] for scenario in SCENARIOS]
+    assert f"Speeds of {min(speeds):.2f} to {max(speeds):.2f} m/s" in " ".join(
+        one.text for one in alvarez.DEVIATIONS
+    )
+    # On all ten maps the distance falls faster than the time.
+    assert all(scenario.distance[1] < scenario.time[1] for scenario in SCENARIOS)
 
 
 def test_maps_of_alvarez_are_as_large_as_the_printed_ones():
@@ -42,13 +61,12 @@ def test_maps_of_alvarez_are_as_large_as_the_printed_ones():
 
 
 def test_laws_are_those_of_the_constructed_means():
-    (first, *_) = alvarez.outcomes(results_of(FULL_ALVAREZ, laws(-0.9, -1.1, spread=0.0)))
+    (first, *_) = outcomes(Cells(results_of(FULL_ALVAREZ, laws(-0.9, -1.1, spread=0.0))))
     time, distance = law(first.time), law(first.distance)
     assert time is not None
     assert distance is not None
     assert (time.factor.value, time.exponent.value) == pytest.approx((1000.0, -0.9))
     assert (distance.factor.value, distance.exponent.value) == pytest.approx((300.0, -1.1))
-    # Runs of variants do not count.
     assert (first.runs, first.successes) == (56, 56)
 
 
@@ -69,6 +87,7 @@ def test_claims_of_alvarez_that_hold():
         (claim.text for claim in found), "holds"
     )
     assert len(found) == 5
+    assert all(claim.would_show for claim in found)
     assert "560 of 560 runs succeed" in found[0].grounds[0]
     # Table 4.1, b (T): from scenario 10 to scenario 18.
     assert "the thesis's -0.920 to -0.729, -0.862 on average" in found[1].grounds[1]
@@ -129,27 +148,50 @@ def test_claims_of_alvarez_that_may_be_chance_or_are_not_tested():
         # Of 108 runs 107 must succeed: their interval begins at 94.9 %, that of 106 at 93.5 %.
         assert found[0].would_show == "a rate of 99.1 % would have sufficed"
     assert {claim.verdict for claim in alvarez.claims(no_results(FULL_ALVAREZ))} == {"not tested"}
+    all_lost = results_of(QUICK_ALVAREZ, laws(-0.9, -1.1, lost=lambda at, k: True))
+    none = alvarez.claims(all_lost)[0]
+    assert none.verdict == "does not hold"
+    assert none.would_show == "no rate would have sufficed in so few runs"
     few = alvarez.claims(results_of(QUICK_ALVAREZ, laws(-0.9, -1.1)))
     assert [few[k].verdict for k in (0, 3, 4)] == ["not tested"] * 3
 
 
 def test_a_margin_is_one_standard_deviation_of_the_printed_exponents():
     # 99 % of a normal distribution lie within 2.576 standard deviations of its mean.
-    assert alvarez.TIME_FALLS.margin == pytest.approx(0.32 / 2 / 2.576)
-    assert alvarez.DISTANCE_FALLS.margin == pytest.approx(0.68 / 2 / 2.576)
+    assert TIME_FALLS.margin == pytest.approx(0.32 / 2 / 2.576)
+    assert DISTANCE_FALLS.margin == pytest.approx(0.68 / 2 / 2.576)
 
 
-def test_variants_are_shown_beside_the_experiment():
+def test_exponents_are_shown_without_and_with_each_change():
+    spec = ABLATIONS.experiment(FULL_ALVAREZ, quick=True)
+
     def values(at: Condition, repetition: int) -> dict[str, object]:
-        exponent = {"rules": -0.9, "swaps by sums": -0.8, "no swaps": -0.7, "fine cells": -0.6}
-        of = exponent[at.strategy]
+        exponent = {"": -0.9, "swaps by sums": -0.8, "no swaps": -0.7, "fine cells": -0.6}
+        of = exponent[at.strategy.removeprefix("rules").removeprefix(", ")]
         return laws(of, of, spread=0.0)(at, repetition)
 
-    (table,) = alvarez.ablations(results_of(FULL_ALVAREZ, values))
-    assert [row[0] for row in table.rows] == ["as in the experiment", *alvarez.ABLATIONS]
+    table = ABLATIONS.tables(results_of(spec, values))[0]
+    assert [row[0] for row in table.rows] == [
+        *("as in the experiment", "swaps by sums", "no swaps", "fine cells")
+    ]
     assert [row[1][:4] for row in table.rows] == ["-0.9", "-0.8", "-0.7", "-0.6"]
-    assert {row[4] for row in table.rows} == {"28 of 28"}
-    assert alvarez.ablations(results_of(QUICK_ALVAREZ, laws(-0.9, -1.1))) == []
+    assert [row[3][:4] for row in table.rows] == ["-0.9", "-0.8", "-0.7", "-0.6"]
+    # Six repetitions of four teams.
+    assert {row[4] for row in table.rows} == {"24 of 24"}
+
+
+def test_exponents_without_the_mazes_are_given_beside():
+    mazes = {scenario.label for scenario in SCENARIOS if scenario.name == "maze"}
+    assert len(mazes) == 3
+
+    def values(at: Condition, repetition: int) -> dict[str, object]:
+        return printed_plus(0.3 if at.environment in mazes else 0.0, 0.0)(at, repetition)
+
+    time = alvarez.claims(results_of(FULL_ALVAREZ, values))[1]
+    (line,) = [ground for ground in time.grounds if "without the 3 maps" in ground]
+    assert line.endswith("over 7 maps")
+    # The mean of ten is 0.09, that of the seven others 0.
+    assert abs(float(line.split(": ")[1].split()[0])) < 0.01
 
 
 def test_alvarez_beside_table_4_1():

@@ -4,10 +4,10 @@ from collections.abc import Iterable
 import pytest
 
 from multisrt.experiments.results import Results
-from multisrt.presets import multi_srt
 from multisrt.presets.cells import Cells, Comparison, Family
 from multisrt.presets.findings import Saying, weigh, weigh_family
 from multisrt.presets.judging import could_be_significant, judge, verdict
+from multisrt.presets.multi_srt_ablations import KNOWN, TIME
 from tests.multisrt.presets.constructed import QUICK_SRT, noise_of, results_of
 
 SAYINGS: dict[str, Saying] = {"f": "for", "a": "against", "n": "nothing"}
@@ -43,7 +43,7 @@ def compared(lower: Iterable[float], higher: Iterable[float], paired: bool = Fal
 
 
 def family_of(*comparisons: Comparison, paired: bool = True) -> Family:
-    return Family(comparisons=[*comparisons], quantity=multi_srt.TIME, paired=paired)
+    return Family(comparisons=[*comparisons], quantity=TIME, paired=paired)
 
 
 def test_p_values_are_adjusted_over_the_comparisons_of_a_claim():
@@ -108,14 +108,14 @@ def test_pairs_are_of_one_repetition_also_where_runs_are_missing():
     left = [r for r in whole if (r.condition.robots, r.repetition) not in {(1, 0), (1, 5), (2, 3)}]
     cells = Cells(Results(whole.experiment, left, whole.planned, whole.provenance))
     alone, two = (next(at for at in cells.conditions() if at.robots == n) for n in (1, 2))
-    found = cells.compared("there", lower=alone, higher=two, measure=multi_srt.KNOWN)
+    found = cells.compared("there", lower=alone, higher=two, measure=KNOWN)
     assert found.repetitions == [1, 2, 4, 6, 7, 8, 9]
     assert found.sides == found.pairs
     assert found.pairs == (
         [101.0, 102.0, 104.0, 106.0, 107.0, 108.0, 109.0],
         [201.0, 202.0, 204.0, 206.0, 207.0, 208.0, 209.0],
     )
-    apart = cells.compared("there", lower=alone, higher=two, measure=multi_srt.KNOWN, paired=False)
+    apart = cells.compared("there", lower=alone, higher=two, measure=KNOWN, paired=False)
     assert [len(side) for side in apart.sides] == [8, 9]
 
 
@@ -154,7 +154,9 @@ def test_a_family_holds_where_no_cell_is_significant():
     cells = small_gains(12, 8)
     assert {finding.saying for finding in weigh(cells)} == {"nothing"}
     claim = judged_gains(*cells).claim
-    assert (claim.verdict, claim.would_show) == ("holds", "")
+    assert (claim.verdict, claim.told) == ("holds", "holds")
+    # What would have been found is named whatever the verdict.
+    assert claim.would_show.endswith("% would have been detected")
     assert "all 12 cells together, by 8 pairs of repetitions: tortoise -" in claim.grounds[0]
 
 
@@ -198,10 +200,10 @@ def test_runs_that_show_nothing_say_so():
 
 def test_another_quantity_is_judged_beside():
     lower, higher = [1, 2, 3, 4, 5, 6], [6, 7, 8, 9, 10, 12]
-    slower = Family(comparisons=[compared(higher, lower)], quantity=multi_srt.KNOWN)
+    slower = Family(comparisons=[compared(higher, lower)], quantity=KNOWN)
     claim = judged_gains(compared(lower, higher), beside=slower).claim
     assert claim.verdict == "holds"
-    (line,) = [ground for ground in claim.grounds if multi_srt.KNOWN.title in ground]
+    (line,) = [ground for ground in claim.grounds if KNOWN.title in ground]
     assert "does not hold" in line
 
 

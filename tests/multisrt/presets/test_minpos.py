@@ -5,7 +5,9 @@ import pytest
 
 from multisrt.experiments.crossing import Condition
 from multisrt.presets import minpos
-from multisrt.presets.minpos_experiment import RULES, STEP_S, VARIANTS, experiment
+from multisrt.presets.minpos_ablations import ABLATIONS, APART, TARGETS, WIDE
+from multisrt.presets.minpos_claims import LARGEST_GAINS, MEAN_GAINS
+from multisrt.presets.minpos_experiment import RULES, STEP_S, experiment
 from multisrt.presets.minpos_gains import Ratios, Times, complete, gain, reaches
 from multisrt.statistics.intervals import Interval
 from tests.multisrt.presets.constructed import (
@@ -22,8 +24,8 @@ QUICK_AT = Condition(environment="maze", strategy="", robots=2)
 
 def test_figures_of_minpos_are_the_printed_ones():
     # Section V A: "improvements of 8% and 12%", "15% on the hospital and 20% on the maze".
-    assert minpos.MEAN_GAINS == {"greedy": 8.0, "minpos": 12.0}
-    assert minpos.LARGEST_GAINS == {"hospital": 15.0, "maze": 20.0}
+    assert MEAN_GAINS == {"greedy": 8.0, "minpos": 12.0}
+    assert LARGEST_GAINS == {"hospital": 15.0, "maze": 20.0}
 
 
 def gain_of(ratios: Ratios) -> Interval:
@@ -128,21 +130,32 @@ def test_when_a_gain_reaches_eight_percent(low, high, decision):
     assert reaches(found, 8.0) == decision
 
 
-def test_variants_are_shown_beside_the_experiment():
-    def values(at: Condition, repetition: int) -> dict[str, object]:
-        best = 12.0
-        for k, one in enumerate(VARIANTS):
-            best = 2.0 * k if one.rule(at) else best
-        return times(5.0, best, spread=0.0)(at, repetition)
+@pytest.mark.slow
+def test_gains_are_shown_without_and_with_each_change():
+    spec = msgspec.structs.replace(ABLATIONS.experiment(FULL_MINPOS, quick=False), repetitions=6)
+    gains = {
+        after: 2.0 * k for k, one in enumerate(ABLATIONS.changes) for _, after in one.pairs(spec)
+    }
 
-    results = results_of(FULL_MINPOS, values)
-    (table,) = minpos.variants(results)
-    assert [row[2].split()[0] for row in table.rows] == ["+12.0", "+0.0", "+2.0", "+4.0"]
-    assert {row[3] for row in table.rows} == {"40/40"}
-    # They do not count for the claims.
-    mean = claim_on(minpos.claims(results), "On average minpos shortens")
-    assert "ours: +12.0 %" in mean.grounds[0]
-    assert minpos.variants(results_of(experiment(True), times(8.0, 12.0))) == []
+    def values(at: Condition, repetition: int) -> dict[str, object]:
+        return times(5.0, gains.get(at, 12.0), spread=0.0)(at, repetition)
+
+    tables = ABLATIONS.tables(results_of(spec, values))[:3]
+    assert [table.title.partition(": ")[2] for table in tables] == [
+        *("maze, 4 robots", "hospital, 4 robots", "maze, 12 robots")
+    ]
+    assert [[row[0] for row in table.rows] for table in tables] == [
+        ["as in the experiment", TARGETS, WIDE, APART],
+        ["as in the experiment", TARGETS, APART],
+        ["as in the experiment", TARGETS, APART],
+    ]
+    assert [[row[2].split()[0] for row in table.rows] for table in tables] == [
+        ["+12.0", "+0.0", "+2.0", "+4.0"],
+        ["+12.0", "+6.0", "+8.0"],
+        ["+12.0", "+10.0", "+12.0"],
+    ]
+    assert {row[1].split()[0] for table in tables for row in table.rows} == {"+5.0"}
+    assert {row[3] for table in tables for row in table.rows} == {"6/6"}
 
 
 def test_times_are_given_in_steps_as_well():

@@ -2,6 +2,7 @@ import msgspec
 
 from multisrt.experiments.crossing import Condition
 from multisrt.presets import multi_srt
+from multisrt.presets.multi_srt_ablations import TIMES
 from tests.multisrt.presets.constructed import (
     QUICK_SRT,
     claim_on,
@@ -22,6 +23,9 @@ def test_claims_of_multi_srt_that_hold():
     assert {claim.text: claim.verdict for claim in found} == dict.fromkeys(
         (claim.text for claim in found), "holds"
     )
+    # With 360 runs: 1 - 0.2 ** (1 / 360), and a limit of each claim.
+    assert found[-1].would_show == "0.45 % of bad runs would have been detected"
+    assert all(claim.would_show for claim in found)
     # 2 worlds, 2 strategies, 2 radios; from 1 to 2 and from 2 to 4 robots.
     for claim in found[:2]:
         assert "in 16 of 16 comparisons, significantly by itself in 16" in claim.grounds[1]
@@ -102,7 +106,7 @@ def test_both_times_are_judged():
     titles = [table.title for table in multi_srt.tables(results) if "scattered" in table.title]
     assert [
         title.endswith(f"{time.heading}, medians")
-        for title, time in zip(titles, multi_srt.TIMES, strict=True)
+        for title, time in zip(titles, TIMES, strict=True)
     ] == [True, True]
 
 

@@ -5,7 +5,8 @@ import pytest
 
 from multisrt.presets import sbx_r
 from multisrt.presets.cells import Cells
-from multisrt.presets.sbx_r_settings import ABLATIONS, ablations, diagram_table
+from multisrt.presets.sbx_r_claims import ALL, CLAIMS
+from multisrt.presets.sbx_r_settings import diagram_table
 from multisrt.presets.sbx_r_tables import PAPER
 from tests.multisrt.presets.constructed import bidding, claim_on, no_results, results_of
 
@@ -49,11 +50,11 @@ def test_figures_of_sbx_r_are_the_printed_ones():
 )
 def test_marks_of_sbx_r_agree_with_the_counts_in_its_text(number, other, better, worse):
     (table,) = [table for table in PAPER if table.number == number]
-    signs = Counter(table.mark(*cell) for cell in sbx_r.ALL[other])
+    signs = Counter(table.mark(*cell) for cell in ALL[other])
     assert (signs["+"], signs["-"], sum(signs.values())) == (better, worse, 12)
 
 
-@pytest.mark.parametrize("claim", sbx_r.CLAIMS, ids=lambda claim: claim.text)
+@pytest.mark.parametrize("claim", CLAIMS, ids=lambda claim: claim.text)
 def test_the_marks_of_sbx_r_bear_its_own_claims_out(claim):
     sign = "+" if claim.better else "-"
     marks = Counter(claim.table.mark(*cell) for cell in claim.cells)
@@ -64,8 +65,8 @@ def test_the_marks_of_sbx_r_bear_its_own_claims_out(claim):
 def test_claims_of_sbx_r_that_hold_and_do_not():
     better = sbx_r.claims(results_of(FULL_SBX, bidding(lambda at: 0.5)))
     worse = sbx_r.claims(results_of(FULL_SBX, bidding(lambda at: 2.0)))
-    assert len(better) == len(worse) == len(sbx_r.CLAIMS) == 12
-    for claimed, up, down in zip(sbx_r.CLAIMS, better, worse, strict=True):
+    assert len(better) == len(worse) == len(CLAIMS) == 12
+    for claimed, up, down in zip(CLAIMS, better, worse, strict=True):
         held, not_held = (up, down) if claimed.better else (down, up)
         assert (held.verdict, not_held.verdict) == ("holds", "does not hold"), claimed.text
 
@@ -111,20 +112,6 @@ def test_marks_beside_those_of_the_paper():
 def test_too_few_runs_have_no_marks():
     few = results_of(msgspec.structs.replace(FULL_SBX, repetitions=3), bidding(lambda at: 0.1))
     assert set(sbx_r.marks(Cells(few), PAPER[0]).values()) == {""}
-
-
-def test_ablations_stand_below_the_strategy_that_they_change():
-    def values(at, repetition):
-        return {"isolated_total_s": 100.0 if "forgets" in at.strategy else 10.0 + repetition}
-
-    spec = msgspec.structs.replace(FULL_SBX, repetitions=3)
-    table = ablations(Cells(results_of(spec, values)))
-    labels = [row[0] for row in table.rows]
-    assert labels[0] == "self-bidding, as in the tables"
-    assert labels[1] == "self-bidding, forgets after 15 s"
-    assert len(labels) == 3 + len(ABLATIONS)
-    assert [row[1:3] for row in table.rows[:2]] == [("3", "11.0"), ("3", "100.0")]
-    assert ablations(Cells(no_results(spec))).rows == ()
 
 
 def test_the_nearness_diagram_is_left_so_often_in_100_m():

@@ -1,3 +1,5 @@
+import dataclasses
+
 import msgspec
 import pytest
 
@@ -21,14 +23,15 @@ def test_a_summary_has_everything(name):
         claims, tables = preset.claims(results), preset.tables(results)
         text = summary(preset, results, "multisrt reproduce it", claims=claims, tables=tables)
         for claim in claims:
-            assert f"| {claim.text} | {claim.told} |" in text
+            assert f"| {claim.text} | {claim.verdict} | {claim.would_show} |" in text
+            assert bool(claim.would_show) == (claim.verdict != "not tested")
             assert claim.source
             assert claim.grounds
         for table in tables:
             assert f"### {table.title}" in text
             assert all(len(row) == len(table.columns) for row in table.rows)
         for deviation in preset.deviations:
-            assert deviation in text
+            assert deviation.text in text
         assert f"{preset.experiment(True).repetitions} repetitions" in text
         assert f"Runs: {len(results)} of {results.planned}" in text
         assert ("runs are missing" in text) == (len(results) < results.planned)
@@ -78,3 +81,31 @@ def test_a_summary_lists_runs_that_failed():
     assert text.count("repetition 1: over time: beyond 900 s") == 3
     assert "6 complete, 60 successful" not in text
     assert "60 complete, 60 successful" in text
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", PRESETS)
+def test_a_summary_with_ablations_names_them(name):
+    preset = PRESETS[name]
+    results = results_of(preset.experiment(True), SOME[name])
+    claims = [dataclasses.replace(one, verdict="does not hold") for one in preset.claims(results)]
+    assert preset.ablations is not None
+    spec = preset.ablations.experiment(preset.experiment(False), quick=False)
+    made = no_results(spec)
+    text = summary(preset, results, "it", claims=claims, tables=[], ablations=made)
+    with_why = [claim for claim in claims if preset.ablations.asking_why(claim.text)]
+    assert text.count("- ablations that ask why: ") == len(with_why) > 0
+    others = len(claims) - len(with_why)
+    assert text.count("- no ablation asks why it does not hold") == others
+    measured, others_text = text.split("What these do is measured by no ablation:")
+    for deviation in preset.deviations:
+        assert deviation.text in (measured if deviation.ablations else others_text)
+        for change in deviation.ablations:
+            assert f"“{change}”" in measured
+    tables = text.split("## What changes do")[1]
+    for one in preset.ablations.changes:
+        assert f"| {one.change} |" in tables
+        assert f"### {one.topic.title}" in tables
+    # Without them nothing refers to them.
+    without = summary(preset, results, "it", claims=claims, tables=[])
+    assert "ablation" not in without.lower()

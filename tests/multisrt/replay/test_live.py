@@ -1,5 +1,6 @@
 """The page of a run that goes on, in a browser: it follows, and stays as its reader left it."""
 
+import re
 import time
 from contextlib import contextmanager
 
@@ -128,6 +129,9 @@ def test_an_interrupted_run_says_so_and_plays(page):
         raise KeyboardInterrupt
     shown.until("document.getElementById('live').dataset.reloadS === ''")
     assert "The run was interrupted: the replay ends at" in shown.text("#live")
+    (about,) = shown.page.locator("#about p").all_text_contents()[:1]
+    assert re.fullmatch(r"srt-radial in apartment, seed 1: interrupted after \d+\.\d s\.", about)
+    assert "finished" not in shown.text("#about")
     shown.page.click("#play")
     shown.until("replay.player.isPlaying && replay.player.time > 0.5")
 

@@ -10,7 +10,7 @@ import pytest
 import shapely
 
 from multisrt.analysis.poses import poses
-from multisrt.events import Decided, GoalChosen, Learned, NodeAdded
+from multisrt.events import Decided, Decision, GoalChosen, Learned, NodeAdded
 from multisrt.explain.srt import explain
 from multisrt.recording import Recording
 from multisrt.replay import replay_html, save_replay
@@ -173,6 +173,52 @@ def test_going_back_gives_the_same_picture(shown):
     assert page.value(PICTURE) == once
 
 
+def test_a_map_that_is_being_drawn_says_so(shown):
+    page = shown(address="#t=0")
+    assert page.page.locator(".view .drawing").is_hidden()
+    # Time flies, so that little of a picture is drawn in one frame.
+    page.value(
+        """(() => {
+            const { player } = replay, paint = player.paint.bind(player);
+            let now = performance.now();
+            performance.now = () => (now += 50);
+            window.noted = [];
+            player.paint = (time) => {
+                paint(time);
+                const busy = player.views[0].element.getAttribute("aria-busy");
+                noted.push([!player.views[0].drawing.hidden, busy, player.isThere]);
+            };
+            player.seek(59);
+        })()"""
+    )
+    page.settle()
+    noted = page.value("noted")
+    assert any(is_noted for is_noted, *_ in noted)
+    assert {(busy, is_there) for is_noted, busy, is_there in noted if is_noted} == {("true", False)}
+    assert page.page.locator(".view .drawing").is_hidden()
+    assert page.page.get_attribute(".view", "aria-busy") == "false"
+
+
+def test_the_panel_keeps_up_with_the_clock(shown):
+    page = shown(address="#t=0&robot=1&speed=100")
+    page.value(
+        """(() => {
+            const { player } = replay, paint = player.paint.bind(player);
+            const why = document.getElementById("why");
+            window.late = [];
+            player.paint = (time) => {
+                paint(time);
+                late.push(player.time - Number(/at ([0-9.]+) s/.exec(why.textContent)[1]));
+            };
+            player.play();
+        })()"""
+    )
+    page.until("!replay.player.isPlaying")
+    late = page.value("late")
+    assert len(late) > 5
+    assert max(late) < 0.51
+
+
 @pytest.mark.parametrize("layer", ["frontier", "paths"])
 def test_nothing_of_another_time_is_drawn(shown, layer):
     without = shown(address="#t=0&layers=truth").value(BELOW)
@@ -267,6 +313,99 @@ def test_keys(shown):
     assert page.value("replay.player.views[0].isWhole")
 
 
+def test_decisions_are_stepped_through(shown):
+    page = shown("staged")
+    press = page.page.keyboard.press
+    said = []
+    for _ in range(3):
+        press(".")
+        said.append(page.text("#said"))
+    assert [text.split(": decided")[0] for text in said[:2]] == [
+        "5.00 s, robot 0",
+        "5.00 s, robot 1",
+    ]
+    assert said[2] == "no later decision"
+    press(",")
+    assert page.text("#said") == said[0]
+    press(",")
+    assert page.text("#said") == "no earlier decision"
+    page.page.keyboard.press("1")
+    press("Home")
+    page.page.click("#next-decision")
+    assert page.text("#said") == said[1]
+    # All events go on from there.
+    press("ArrowRight")
+    assert "organised robots" in page.text("#said")
+    page.page.click("#previous-decision")
+    assert page.text("#said") == said[1]
+
+
+def test_decisions_of_two_runs_are_stepped_through(shown, team_run, bidding_run):
+    page = shown("both")
+    kinds = (Decision, GoalChosen)
+    times = sorted(
+        event.time_s
+        for run in (team_run, bidding_run)
+        for event in run.recording.events
+        if isinstance(event, kinds)
+    )
+    step = "replay.player.step({}, true), replay.player.time"
+    on = [page.value(step.format(1)) for _ in times]
+    assert on == pytest.approx(times, abs=1e-3)
+    back = [page.value(step.format(-1)) for _ in times[1:]]
+    assert back == pytest.approx(times[-2::-1], abs=1e-3)
+
+
+def test_the_event_that_is_shown_is_marked(shown):
+    page = shown("staged")
+    current = page.page.locator("#events [aria-current=true]")
+    assert current.count() == 0
+    for expected in ("robot 0: added node 0 (root)", "robot 1: added node 0 (root)"):
+        page.page.keyboard.press("ArrowRight")
+        assert expected in current.text_content()
+
+
+def test_nodes_are_chosen_by_keys(shown):
+    page = shown("staged", "#t=5.5")
+    press, said = page.page.keyboard.press, lambda: page.text("#said").split(" at ")[0]
+    press("1")
+    press("n")
+    assert said() == "Node 1 of robot 1"
+    press("n")
+    assert said() == "Node 0 of robot 1"
+    assert page.page.locator("#node").is_visible()
+    press("n")
+    assert said() == "no earlier node"
+    page.value("replay.player.views[0].zoomBy(30)")
+    press("Shift+N")
+    assert said() == "Node 1 of robot 1"
+    assert page.value("replay.player.robot") == 1
+    view = "replay.player.views[0]"
+    x, y, width, height = page.value(
+        f"[{view}.x({OTHER[0]}), {view}.y({OTHER[1]}), {view}.width, {view}.height]"
+    )
+    assert 0 < x < width
+    assert 0 < y < height
+
+
+def test_keys_zoom_and_move_the_map(shown):
+    page = shown("staged", "#t=5.5")
+    left, bottom, scale = page.value(CAMERA)
+    page.page.keyboard.press("Alt+ArrowDown")
+    assert page.value(CAMERA) == [left, bottom, scale]
+    page.page.locator(".view .top").focus()
+    page.page.keyboard.press("Alt+ArrowRight")
+    page.page.keyboard.press("Alt+ArrowUp")
+    moved = page.value(CAMERA)
+    assert moved[0] > left
+    assert moved[1] > bottom
+    page.page.keyboard.press("i")
+    assert page.value(CAMERA)[2] == pytest.approx(1.25 * scale)
+    page.page.keyboard.press("o")
+    assert page.value(CAMERA) == pytest.approx(moved)
+    assert page.value("replay.player.time") == 5.5
+
+
 CAMERA = "(({ left, bottom, scale }) => [left, bottom, scale])(replay.player.views[0].camera)"
 
 
@@ -317,6 +456,9 @@ def test_what_is_chosen_is_read_out(shown):
     page = shown("staged", "#t=5.5")
     page.page.keyboard.press("1")
     assert page.text("#said").startswith("Robot 1 at 5.50 s: its last decision was at 5.00 s.")
+    assert page.page.locator("#said").evaluate("(one) => one.scrollWidth <= one.clientWidth")
+    # The clock would be read out in every frame.
+    assert page.page.get_attribute("#clock", "aria-live") == "off"
     assert "it chose random draw" in page.text("#said")
     page.page.keyboard.press("Escape")
     assert page.text("#said") == "map of the team"
@@ -349,6 +491,35 @@ def test_it_tells_what_multisrt_why_tells(shown, team_run):
         for at in (0.0, 7.31, 23.75, 60.0):
             page.value(f"replay.player.seek({at})")
             assert page.text("#why") == explain(team_run.recording, robot, at).rstrip("\n")
+
+
+def test_messages_are_those_of_the_chosen_robot(shown):
+    page = shown("staged", "#t=6.1&layers=messages")
+    page.value(
+        """(() => {
+            const { marks } = replay.player.views[0], arrow = marks.arrow.bind(marks);
+            window.arrows = 0;
+            marks.arrow = (...ends) => { arrows++; arrow(...ends); };
+        })()"""
+    )
+    # Robot 0 sends one to robot 1, which robot 2 does not receive.
+    for robot, count in (("0", 2), ("1", 1), ("2", 1)):
+        page.value("window.arrows = 0")
+        page.page.keyboard.press(robot)
+        page.settle()
+        assert page.value("arrows") == count
+
+
+def test_tables_are_not_wrapped(shown):
+    page = shown("bids", "#t=12.34&robot=1")
+    table = page.page.locator("#why .table")
+    assert "frontier  " in table.first.text_content()
+    lines = table.first.text_content().strip("\n").count("\n") + 1
+    height, line = table.first.evaluate(
+        "(one) => [one.clientHeight, parseFloat(getComputedStyle(one).lineHeight)]"
+    )
+    assert lines <= height / line < lines + 1
+    assert page.page.locator("#why").evaluate("(one) => one.scrollWidth <= one.clientWidth")
 
 
 def test_it_tells_why_robots_chose_frontiers(shown, bidding_run):
@@ -445,6 +616,66 @@ def test_two_runs_stand_side_by_side_on_one_clock(shown, team_run, bidding_run):
     assert page.page.locator(".view.chosen .name").text_content().startswith("minpos")
 
 
+def test_a_run_that_has_ended_or_lacks_the_robot_says_so(shown, bidding_run):
+    page = shown("both", "#t=59&robot=2")
+    states = page.page.locator(".view .state")
+    end = bidding_run.recording.footer.time_s
+    assert states.all_text_contents() == [
+        "", f"no robot 2: map of the team; ended at {end:.1f} s"
+    ]  # fmt: skip
+    assert states.first.is_hidden()
+    page.page.keyboard.press("Escape")
+    page.value(f"replay.player.seek({end + 0.2})")
+    page.settle()
+    page.value("window.arrows = 0; replay.player.views[1].marks.arrow = () => arrows++; 0")
+    page.value("replay.player.views[1].marks.draw(replay.player.runs[1].end)")
+    assert page.value("arrows") == 0
+    page.value(f"replay.player.seek({end - 0.1})")
+    assert states.nth(1).is_hidden()
+
+
+def test_runs_with_equal_names_are_numbered(shown):
+    page = shown("four", "#t=12")
+    names = page.page.locator(".view .name").all_text_contents()
+    assert [name.rsplit(", ", 1)[1] for name in names] == ["run 1", "run 2", "run 3", "run 4"]
+    assert page.page.locator("#curves .keys li").all_text_contents() == names
+
+
+def test_what_a_run_was_made_with_is_told(shown):
+    page = shown("staged")
+    ended, made = page.page.locator("#about p").all_text_contents()[:2]
+    assert ended.endswith("; robot 2 died at 20.0 s.")
+    assert made.startswith("Set-up: 3 robots; scattered starts; radio 12 m; range finder 4 m;")
+
+
+def test_the_map_has_a_legend(shown):
+    page = shown("staged")
+    assert page.page.locator("#symbols").is_hidden()
+    page.page.locator("#fold-symbols summary").click()
+    samples = page.page.locator("#symbols canvas").evaluate_all(
+        "(all) => all.map((canvas) => canvas.toDataURL())"
+    )
+    words = page.page.locator("#symbols li").all_text_contents()
+    assert len(set(samples)) == len(samples) == len(set(words)) == 24
+    assert page.page.locator("#layers canvas").count() == len(SHOWN_S)
+    page.page.click("#theme")
+    again = page.page.locator("#symbols canvas").evaluate_all(
+        "(all) => all.map((canvas) => canvas.toDataURL())"
+    )
+    assert not set(samples) & set(again)
+
+
+def test_one_robot_has_nothing_of_a_team(browser, tmp_path):
+    save_replay(recorded([(2.0, 4.0)], []), tmp_path / "replay.html")
+    page = Shown(browser.new_page(), (tmp_path / "replay.html").as_uri()).open()
+    titles = page.page.locator(".curve figcaption span").all_text_contents()
+    assert titles[-1] == "Distance driven"
+    assert not any("cut off" in text for text in (*titles, page.text("#lines"), page.text("#side")))
+    names = page.value("[...document.querySelectorAll('#layers input')].map((box) => box.name)")
+    assert not {"groups", "masters", "links", "messages"} & set(names)
+    page.page.close()
+
+
 @pytest.mark.parametrize(("name", "count"), [("three", 3), ("four", 4)])
 def test_three_and_four_runs_stand_side_by_side(shown, name, count):
     page = shown(name, "#t=12")
@@ -514,6 +745,17 @@ def test_a_broken_address_does_no_harm(shown):
         page.open(address)
         assert 0.0 <= page.value("replay.player.time") <= page.value("replay.player.end")
         assert page.value("replay.player.robot") == -1
+
+
+def test_a_phone_on_its_side_has_one_column(shown):
+    page = shown(address="#t=20", viewport={"width": 844, "height": 390}, is_mobile=True)
+    assert page.value("document.documentElement.scrollWidth") <= 844
+    assert page.page.locator("#stage").bounding_box()["height"] > 200
+    assert page.page.locator("#side").bounding_box()["width"] > 800
+    for control in ("#previous-decision", "#play", "#next-decision", "#scrub", "#clock", "#speed"):
+        box = page.page.locator(control).bounding_box()
+        assert 0 <= box["x"] < box["x"] + box["width"] <= 844
+        assert box["y"] + box["height"] <= 390
 
 
 @pytest.mark.parametrize("name", ["team", "both"])

@@ -8,12 +8,15 @@ import pytest
 import shapely
 
 from multisrt.analysis.activity import activities
+from multisrt.analysis.isolation import isolation
 from multisrt.analysis.radio_links import radio_links
 from multisrt.analysis.run_tables import coverage_curve
 from multisrt.events import Decision, GoalChosen, Learned, Motion, NodeAdded, Sensed, Sent
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.replay import page, replay_html, save_replay
 from multisrt.replay.payload import DETAILS, Detail, compressed, payload
+from multisrt.spec import RadioSpec
+from tests.multisrt.drawing.recordings import motion, recorded
 from tests.multisrt.replay.staged import staged
 
 NAMED = ("robots", "nodes", "scans", "messages", "log", "explanations", "activities", "curves")
@@ -103,12 +106,26 @@ def test_tracks_have_all_waypoints_without_full_turns(team_run, data):
 def test_activities_and_curves_are_those_of_the_analysis(team_run, data):
     recording, environment = team_run.recording, team_run.environment
     names = data["activities"]["names"]
-    for own, packed in zip(activities(recording), data["activities"]["robots"], strict=True):
+    found = activities(recording, with_isolation=False)
+    for own, packed in zip(found, data["activities"]["robots"], strict=True):
         assert [names[k] for k in packed["what"]] == [spell.activity for spell in own]
     covered = coverage_curve(recording, environment)["coverage"].values
     np.testing.assert_allclose(
         values(data["curves"]["coverage"]["coverage"], 1e4), covered, atol=6e-5
     )
+
+
+def test_what_a_robot_does_while_it_is_cut_off_is_kept():
+    moved = motion(1.0, 0, (2.0, 4.0), (8.0, 4.0))
+    made = recorded([(2.0, 4.0), (9.0, 4.0)], [moved], radio=RadioSpec(range_m=4.0))
+    packed = payload([made])["runs"][0]["activities"]
+    found = isolation(made)
+    assert any(robot.spells for robot in found)
+    for robot, own in zip(found, packed["cut_off"], strict=True):
+        spells = np.column_stack([values(own["begin"], 1000), values(own["end"], 1000)])
+        np.testing.assert_allclose(spells, np.reshape(robot.spells, (-1, 2)), atol=5.1e-4)
+    doing = [packed["names"][k] for k in packed["robots"][0]["what"]]
+    assert doing == ["waits", "moves", "waits"]
 
 
 def test_robots_are_told_by_their_masters():
@@ -206,3 +223,9 @@ def test_the_log_tells_what_happened():
     assert "gave up a frontier arc: too narrow" in texts
     assert any(text.startswith("died at (17.00, 4.00), ") for text in texts)
     assert not any("map" in text for text in texts)
+
+
+def test_scans_are_no_nodes_in_the_log(bidding_run):
+    log = payload([bidding_run.recording])["runs"][0]["log"]
+    assert "scan 1 showed something new" in log["texts"]
+    assert not any("(scan)" in text for text in log["texts"])

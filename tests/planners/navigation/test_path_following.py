@@ -112,6 +112,19 @@ def test_limit_bounds_the_length_of_the_motion():
     assert motion.end == pytest.approx((1.5, 0.5, 0.0))
 
 
+@pytest.mark.parametrize("until_s", [0.3, 2.0, 3.0, 6.5, 9.0, 60.0])
+@pytest.mark.parametrize("heading", [0.0, 2.0])
+def test_a_motion_up_to_a_time_begins_as_the_whole_one(until_s, heading):
+    at = Configuration(0.5, 0.5, heading)
+    whole = followed(DISC, DRIVE, at, ROUND_THE_CORNER)
+    part = follow(DISC, DRIVE, ELL, at, ROUND_THE_CORNER, until_s=until_s)
+    assert part is not None
+    assert part.until(until_s) == whole.until(until_s)
+    assert part.waypoints == whole.waypoints[: len(part.waypoints)]
+    # Its last leg is a turn and a drive.
+    assert (part == whole) == (until_s > whole.waypoints[-3].time_s)
+
+
 def test_a_robot_beside_its_path_goes_to_the_next_corner():
     at = Configuration(0.5, 0.6, 0.0)
     motion = followed(DISC, Holonomic(), at, ROUND_THE_CORNER)

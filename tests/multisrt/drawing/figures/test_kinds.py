@@ -13,6 +13,7 @@ import multisrt as ms
 from multisrt.analysis.activity import activities
 from multisrt.analysis.decision_counts import decision_counts
 from multisrt.analysis.heat_maps import isolated_times, visits
+from multisrt.analysis.isolation import isolation
 from multisrt.analysis.run_tables import coverage_curve
 from multisrt.drawing.colours import RobotStyles
 from multisrt.drawing.figures import FigureOptions, draw_figure, figure_bytes
@@ -272,20 +273,27 @@ def test_coverage_is_median_and_quartiles_of_the_runs(curves, ax):
 def test_strips_are_the_activities(growers, ax):
     draw_activity(growers, ax)
     end_s = growers.footer.time_s
-    for robot, spells in enumerate(activities(growers)):
-        drawn = []
+    cut_off = isolation(growers)
+    assert any(robot.spells for robot in cut_off)
+    for robot, spells in enumerate(activities(growers, with_isolation=False)):
+        drawn, bars = [], []
         for collection in ax.collections:
             name = collection.get_gid() or ""
             if name.startswith(f"robot {robot} "):
                 activity = name.removeprefix(f"robot {robot} ")
                 for path in collection.get_paths():
                     box = path.get_extents()
+                    if activity == "cut off":
+                        bars.append((box.x0, box.x1))
+                        continue
                     drawn.append((box.x0, box.x1, activity))
         drawn.sort()
         assert [name for *_, name in drawn] == [spell.activity for spell in spells]
         spans = [(spell.start_s, spell.end_s) for spell in spells]
         np.testing.assert_allclose([span[:2] for span in drawn], spans, atol=1e-9)
         assert sum(b - a for a, b, _ in drawn) == pytest.approx(end_s)
+        true = cut_off[robot].spells
+        np.testing.assert_allclose(np.reshape(sorted(bars), (-1, 2)), np.reshape(true, (-1, 2)))
     assert {activity for *_, activity in drawn} >= {"dead"}
 
 

@@ -46,7 +46,7 @@ from multisrt.robots.frontier.self_bidding import (
     send_last_stop_signal,
     send_stop_signals,
 )
-from multisrt.robots.frontier.utility import answer_requests
+from multisrt.robots.frontier.utility import answer_requests, follow_assignment
 from multisrt.robots.frontier.wavefront_costs import WavefrontCosts, full_table
 from multisrt.robots.frontier.wavefront_rules import choose_closest, choose_greedy, choose_minpos
 
@@ -128,7 +128,7 @@ def situation(seed):
 @pytest.fixture
 def only_choice(acts_of):
     def run(rule, robot):
-        (act,), goal = acts_of(rule(robot, Event.START))
+        (act,), goal = acts_of(rule(robot, because=Event.START))
         assert isinstance(act, Note)
         assert isinstance(act.event, GoalChosen)
         assert act.event.goal == goal.place
@@ -383,6 +383,32 @@ def test_a_goal_that_another_has_is_worth_less(acts_of):
     robot.team.mates.reports[2] = report_of(2, (7, 10), first.goal)
     second = goal_given()
     assert second.goal != first.goal or second.utility == 0.0
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_robot_goes_where_its_leader_says_at_the_cost_of_its_own_field(seed, only_choice):
+    robot = situation(seed)()
+    own = full_table(robot).costs[0]
+    target = int(np.argsort(own)[np.isfinite(own).sum() // 2])
+    goal = tuple((robot.targets()[target] + 0.05).tolist())
+    assignment = AssignmentMessage(sender=9, goal=goal, utility=0.5, share=0.2)
+    event, _ = only_choice(partial(follow_assignment, assignment=assignment), robot)
+    assert event.goal == tuple(robot.targets()[target].tolist())
+    assert event.rounds == ((0, target, 0.5, 0.2),)
+    found = {j: cost for _, j, cost in worked_out(event)}
+    assert found[target] == own[target]
+    assert all(own[j] == cost for j, cost in found.items())
+    assert set(found) <= {target, int(np.argmin(own))}
+
+
+@pytest.mark.parametrize("place", [None, (500.0, 500.0)])
+def test_a_robot_without_an_assigned_goal_nearby_goes_to_the_nearest(place, only_choice):
+    robot = situation(2)()
+    own = full_table(robot).costs[0]
+    assignment = AssignmentMessage(sender=9, goal=place)
+    event, _ = only_choice(partial(follow_assignment, assignment=assignment), robot)
+    assert event.goal == tuple(robot.targets()[int(np.argmin(own))].tolist())
+    assert event.rounds == ()
 
 
 def test_robots_that_need_a_goal_at_once_get_theirs_together(acts_of):

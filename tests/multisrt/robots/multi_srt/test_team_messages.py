@@ -19,6 +19,7 @@ from multisrt.environments.catalog import environment
 from multisrt.environments.environment import Environment
 from multisrt.events import Decision, Learned, NodeAdded, Sent
 from multisrt.geometry.bodies.footprint import Footprint
+from multisrt.geometry.errors import InvalidInputError
 from multisrt.planners.motion.kinematics import Car, Differential, Holonomic
 from multisrt.robots import registry
 from multisrt.robots.exploration_map import Node, NodeId
@@ -403,10 +404,21 @@ def test_robots_do_not_go_where_others_found_no_place(explorers, after):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("options", [{"no_place_after": 1}, PAPERS_PLANNER])
-def test_with_the_third_stage_or_without_the_option_no_robot_says_so(explorers, options):
-    run(environment("rooms"), 3, max_time_s=60.0, starts="clustered", options=options, seed=1)
+def test_without_the_option_no_robot_says_so(explorers):
+    run(
+        environment("rooms"),
+        3,
+        max_time_s=60.0,
+        starts="clustered",
+        options=PAPERS_PLANNER,
+        seed=1,
+    )
     assert not any(isinstance(message, NoPlaceMessage) for message in explorers[1])
+
+
+def test_with_the_third_stage_the_option_is_refused():
+    with pytest.raises(InvalidInputError, match="no_place_after is 2, but complete is true"):
+        MultiSrtOptions(no_place_after=2)
 
 
 @pytest.mark.parametrize(
@@ -433,7 +445,6 @@ def test_only_robots_of_the_same_body_and_drive_are_heeded(
     [
         ({"complete": False, "no_place_after": 2}, False),
         ({"complete": False}, True),
-        ({"no_place_after": 2}, True),
     ],
 )
 def test_frontier_at_such_nodes_needs_no_support(explorers, options, counts):

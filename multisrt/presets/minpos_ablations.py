@@ -1,0 +1,135 @@
+"""Ablations of MinPos: what gains on closest depend on."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import msgspec
+
+from multisrt.experiments.crossing import Condition
+from multisrt.experiments.spec import Block, EnvironmentChoice, StartsChoice
+from multisrt.presets.ablations import Ablation, Ablations, Topic, with_options
+from multisrt.presets.cells import Cells
+from multisrt.presets.minpos_claims import (
+    BEFORE_GREEDY,
+    FASTER,
+    MORE_IN_MAZES,
+    MORE_WITH_MORE_ROBOTS,
+    ON_AVERAGE,
+    UP_TO,
+)
+from multisrt.presets.minpos_experiment import (
+    BODY,
+    CLOSEST,
+    GREEDY,
+    HOSPITAL,
+    HOSPITALS,
+    MAZE,
+    MAZES,
+    MINPOS,
+    STARTS,
+    STRATEGIES,
+    TEAMS,
+)
+from multisrt.presets.minpos_gains import HOME, TIME, complete, gain, gain_text, ratios_of
+from multisrt.reporting.claims import PrintedTable
+
+ROBOTS = 4
+
+
+def _topic(world: str, robots: int, *claims: str) -> Topic:
+    return Topic(
+        title=f"What the times depend on: {world}, {robots} robots",
+        measures=(TIME, HOME),
+        claims=claims,
+    )
+
+
+IN_MAZES = _topic(
+    MAZE,
+    ROBOTS,
+    *FASTER.values(),
+    *ON_AVERAGE.values(),
+    UP_TO[MAZE],
+    BEFORE_GREEDY,
+    MORE_WITH_MORE_ROBOTS,
+    MORE_IN_MAZES,
+)
+IN_HOSPITAL = _topic(HOSPITAL, ROBOTS, UP_TO[HOSPITAL], MORE_IN_MAZES)
+LARGEST_TEAM = _topic(MAZE, TEAMS[-1], MORE_WITH_MORE_ROBOTS)
+
+TARGETS = "goals kept until they are reached"
+WIDE = "bodies of 1 m, of which two cannot pass in a corridor"
+APART = "starts far apart"
+
+CHANGED = {
+    TARGETS: Block(
+        strategies=tuple(with_options(one, "targets", {"replan": "target"}) for one in STRATEGIES)
+    ),
+    WIDE: Block(bodies=("disc:0.5",)),
+    APART: Block(starts=(StartsChoice(how="scattered", first="drawn"),)),
+}
+"""What each change has in the place of the experiment's."""
+
+
+def _ablation(topic: Topic, world: EnvironmentChoice, robots: int, change: str) -> Ablation:
+    base = Block(
+        environments=(world,),
+        robots=(robots,),
+        strategies=STRATEGIES,
+        bodies=(BODY,),
+        starts=(STARTS,),
+    )
+    own = CHANGED[change]
+    changed = {name: of for name in own.__struct_fields__ if (of := getattr(own, name))}
+    return Ablation(
+        topic=topic,
+        change=change,
+        base=base,
+        changed=msgspec.structs.replace(base, **changed),
+        is_quick=topic == IN_MAZES,
+    )
+
+
+def gains(cells: Cells, changes: Sequence[Ablation]) -> list[PrintedTable]:
+    """Return a table for each topic of the gains on closest without and with each change."""
+    topics = {one.topic.title: one.topic for one in changes}
+    return [
+        _gains(cells, topic, [one for one in changes if one.topic == topic])
+        for topic in topics.values()
+    ]
+
+
+def _gains(cells: Cells, topic: Topic, changes: Sequence[Ablation]) -> PrintedTable:
+    base, rows = {}, []
+    for one in changes:
+        pairs = one.pairs(cells.experiment)
+        base = {before.strategy: before for before, _ in pairs}
+        rows.append(_row(one.change, cells, {before.strategy: after for before, after in pairs}))
+    return PrintedTable(
+        title=topic.title.replace("the times depend", "gains depend"),
+        source="",
+        columns=("change", GREEDY, MINPOS, "pairs"),
+        rows=(_row("as in the experiment", cells, base), *rows),
+        note=f"Gains on closest (percent) with 95 % intervals. {TIME.title}.",
+    )
+
+
+def _row(what: str, cells: Cells, at: Mapping[str, Condition]) -> tuple[str, ...]:
+    ratios = [ratios_of(cells, TIME, at[rule], at[CLOSEST]) for rule in (GREEDY, MINPOS)]
+    pairs = "/".join(str(len(complete(of))) for of in ratios)
+    return (what, *(gain_text(gain([of])) for of in ratios), pairs)
+
+
+ABLATIONS = Ablations(
+    changes=(
+        *(_ablation(IN_MAZES, MAZES, ROBOTS, change) for change in (TARGETS, WIDE, APART)),
+        *(_ablation(IN_HOSPITAL, HOSPITALS, ROBOTS, change) for change in (TARGETS, APART)),
+        *(_ablation(LARGEST_TEAM, MAZES, TEAMS[-1], change) for change in (TARGETS, APART)),
+    ),
+    repetitions=20,
+    run_s=10.0,
+    quick_repetitions=6,
+    own_tables=gains,
+)
+"""The ablations of the page."""

@@ -1,0 +1,106 @@
+"""The border of a growing union, against one that is computed at once."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from multisrt.geometry.numerics.rings import Rings
+from multisrt.geometry.regions.segment_difference import uncovered
+from multisrt.geometry.regions.union_border import UnionBorder
+
+
+def box(x, y, width, height):
+    return np.array([(x, y), (x + width, y), (x + width, y + height), (x, y + height)])
+
+
+def star(rng):
+    size = int(rng.integers(5, 60))
+    angles = np.sort(rng.uniform(0.0, 2.0 * np.pi, size))
+    radii = rng.uniform(0.3, 3.0, size)
+    corners = np.column_stack([radii * np.cos(angles), radii * np.sin(angles)])
+    return corners + rng.uniform(0.0, 8.0, 2)
+
+
+def drawn(rng):
+    """Boxes on a coarse grid, so that many edges are the same, and stars."""
+    if rng.random() < 0.6:
+        return box(*(0.5 * rng.integers(0, 12, 2)), *(0.5 * rng.integers(1, 8, 2)))
+    return star(rng)
+
+
+def meeting(rings, window):
+    x0, y0, x1, y1 = window
+    boxes = rings.arrays.boxes[: len(rings)]
+    return np.flatnonzero(
+        (boxes[:, 0] <= x1) & (boxes[:, 2] >= x0) & (boxes[:, 1] <= y1) & (boxes[:, 3] >= y0)
+    )
+
+
+def computed_at_once(rings, indices, window):
+    """The pieces of all edges in a window that lie in no ring."""
+    x0, y0, x1, y1 = window
+    ends = [rings.ring(k) for k in indices.tolist()]
+    edges = np.vstack([np.hstack([np.roll(ring, 1, axis=0), ring]) for ring in ends])
+    low, high = np.minimum(edges[:, :2], edges[:, 2:]), np.maximum(edges[:, :2], edges[:, 2:])
+    inside = (high >= (x0, y0)).all(axis=1) & (low <= (x1, y1)).all(axis=1)
+    return uncovered(np.ascontiguousarray(edges[inside]), rings.arrays, indices)[0]
+
+
+@given(st.integers(0, 100_000))
+def test_a_border_kept_is_one_computed_at_once_to_the_bit(seed):
+    rng = np.random.default_rng(seed)
+    rings = Rings([drawn(rng)])
+    border = UnionBorder(rings)
+    for _ in range(8):
+        for _ in range(int(rng.integers(0, 5))):
+            rings.add(drawn(rng))
+        x, y = rng.uniform(0.0, 8.0, 2)
+        half = rng.choice([0.5, 2.0, 9.0])
+        window = (x - half, y - half, x + half, y + half)
+        indices = rng.permutation(meeting(rings, window))
+        if len(indices):
+            found = border.within(indices, window).tolist()
+            expected = computed_at_once(rings, indices, window).tolist()
+            assert {*map(tuple, found)} == {*map(tuple, expected)}
+            assert len(found) <= len(expected)
+
+
+def test_edges_that_are_the_same_are_there_once():
+    rings = Rings([box(0, 0, 2, 2), box(1, 0, 1, 2), box(0, 0, 2, 2)])
+    border = UnionBorder(rings)
+    window = (-9.0, -9.0, 9.0, 9.0)
+    lower, right, upper, left = [0, 0, 2, 0], [2, 0, 2, 2], [2, 2, 0, 2], [0, 2, 0, 0]
+    found = border.within(np.array([0, 2]), window)
+    assert found.tolist() == [left, lower, right, upper]
+    assert len(border.within(np.array([0, 1, 2]), window)) == 6
+
+
+def test_there_is_room_for_many_edges_and_covers():
+    # A comb of narrow boxes under a stack of wide ones: each edge is covered in many places.
+    comb = [box(0.2 * k, 0.0, 0.1, 10.0) for k in range(100)]
+    rows = [box(-1.0, 0.2 * k, 30.0, 0.1) for k in range(50)]
+    rings = Rings(comb)
+    border = UnionBorder(rings)
+    everything = (-99.0, -99.0, 99.0, 99.0)
+    assert len(border.within(np.arange(100), everything)) == 400
+    for row in rows:
+        rings.add(row)
+    indices = np.arange(150)
+    found = border.within(indices, everything)
+    assert found.tolist() == computed_at_once(rings, indices, everything).tolist()
+    assert len(found) > 2 * 100 * 49
+
+
+@pytest.mark.parametrize("subset", [[0], [1], [0, 1]])
+def test_rings_that_are_not_asked_for_cover_nothing(subset):
+    # The ring that is left out meets the other one outside of the window.
+    rings = Rings([box(0, 0, 4, 1), box(3, 0.5, 4, 1)])
+    border = UnionBorder(rings)
+    border.within(np.array([0, 1]), (-9.0, -9.0, 9.0, 9.0))
+    window = {(0,): (0.0, 0.0, 2.0, 1.0), (1,): (5.0, 0.0, 8.0, 2.0)}.get(
+        tuple(subset), (0.0, 0.0, 8.0, 2.0)
+    )
+    indices = np.array(subset)
+    found = border.within(indices, window)
+    assert found.tolist() == computed_at_once(rings, indices, window).tolist()

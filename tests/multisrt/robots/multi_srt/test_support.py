@@ -1,0 +1,79 @@
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from multisrt.robots.knowledge import NodeId
+from multisrt.robots.multi_srt.support import entry, may_need_support
+
+# From near to far: a node of the robot's own tree, and three of the tree that it supports.
+OWN, EXPLORED, OPEN, ROOT = NodeId(1, 4), NodeId(0, 2), NodeId(0, 1), NodeId(0, 0)
+
+
+def robot_with(option: str, *open_nodes: NodeId) -> Any:
+    """Return a robot at a node of its own tree, with these nodes open."""
+
+    def to_nearest(here: NodeId, wanted: Any) -> list[NodeId] | None:
+        along = (OWN, EXPLORED, OPEN, ROOT)
+        return next(([here, *along[: k + 1]] for k, n in enumerate(along) if wanted(n)), None)
+
+    return SimpleNamespace(
+        options=SimpleNamespace(entry=option),
+        at=SimpleNamespace(node=NodeId(1, 0)),
+        map=SimpleNamespace(tree=lambda node: NodeId(node.robot, 0)),
+        deferred=SimpleNamespace(has_frontier=lambda node: node in open_nodes),
+        routes=SimpleNamespace(to_nearest=to_nearest),
+    )
+
+
+@pytest.mark.parametrize(
+    ("option", "open_nodes", "node"),
+    [
+        ("root", (OWN, OPEN), ROOT),
+        ("nearest_open", (OWN, OPEN), OPEN),
+        ("nearest_open", (OWN, ROOT), ROOT),
+        # None can be reached: the root, to which there may be a detour.
+        ("nearest_open", (OWN,), ROOT),
+    ],
+)
+def test_support_begins_at_the_root_or_at_the_nearest_open_node(option, open_nodes, node):
+    assert entry(robot_with(option, *open_nodes), ROOT) == node
+
+
+def robot_that_heard(heard_s: dict[int, float], *, in_contact: bool) -> Any:
+    """Return a robot with a limited radio at 100 s; robots 0 and 2 work on the tree of robot 0."""
+    return SimpleNamespace(
+        options=SimpleNamespace(
+            support_m=1.0,
+            support_in_contact=in_contact,
+            check_period_s=30.0,
+            take_over_after_s=120.0,
+        ),
+        at=SimpleNamespace(time_s=100.0),
+        has_unlimited_range=False,
+        team=SimpleNamespace(
+            roster=SimpleNamespace(
+                lost=set(),
+                heard_s=heard_s,
+                states={number: SimpleNamespace(tree=ROOT) for number in (0, 2)},
+            )
+        ),
+    )
+
+
+@pytest.mark.parametrize(
+    ("heard_s", "in_contact", "needs"),
+    [
+        ({0: 95.0, 2: 80.0}, True, True),
+        ({0: 95.0, 2: 80.0}, False, False),
+        ({0: 95.0, 2: 60.0}, True, False),
+        ({0: 95.0}, True, False),
+        ({0: -30.0, 2: -21.0}, False, True),
+    ],
+)
+def test_with_a_limited_radio_robots_in_contact_support_one_another_if_asked_to(
+    heard_s, in_contact, needs
+):
+    robot = robot_that_heard(heard_s, in_contact=in_contact)
+    assert may_need_support(robot, ROOT, open_m=2.0, active=2) is needs
+    assert not may_need_support(robot, ROOT, open_m=1.9, active=2)

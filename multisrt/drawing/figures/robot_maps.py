@@ -33,8 +33,14 @@ if TYPE_CHECKING:
 FIRST_S = 2.0
 """The first of the default times: after the first exchange of maps, as in the paper."""
 
-ENTRIES_IN_A_ROW = 3
-"""About how many entries a row of the legend has, where the number of rows is estimated."""
+ENTRY_IN: Final = 1.45
+"""Upper estimate of the width of an entry of the legend, in inches."""
+
+GAP_IN: Final = 0.08
+"""Distance of maps beside each other, in inches."""
+
+TITLE_LINES: Final = 1.5
+"""Upper estimate of the height of a title with its distances, in lines."""
 
 SMALLER: Final = "robots (--robot), fewer times (--time) or a wider style (--style)"
 """What makes maps larger."""
@@ -85,7 +91,8 @@ def robot_maps_figure(
             )
     team = list(range(len(recording.starts)) if robots is None else robots)
     environment = recording.environment()
-    abreast = robots_abreast(environment, style, len(team), len(times))
+    entries = min(len(recording.starts), MAX_LISTED) + 2
+    abreast = robots_abreast(environment, style, len(team), len(times), entries)
     known = known_regions(recording, environment)
     areas = {
         (robot, time_s): own
@@ -120,7 +127,9 @@ def robot_maps_figure(
     return figure
 
 
-def robots_abreast(environment: Environment, style: FigureStyle, robots: int, times: int) -> int:
+def robots_abreast(
+    environment: Environment, style: FigureStyle, robots: int, times: int, entries: int
+) -> int:
     """Return of how many robots maps stand side by side, so that they are as large as can be.
 
     Parameters
@@ -131,6 +140,8 @@ def robots_abreast(environment: Environment, style: FigureStyle, robots: int, ti
         The style.
     robots, times : int
         The numbers of robots and of times.
+    entries : int
+        The number of entries of the legend.
 
     Returns
     -------
@@ -145,18 +156,24 @@ def robots_abreast(environment: Environment, style: FigureStyle, robots: int, ti
     x0, y0, x1, y1 = environment.bounds
     aspect = (x1 - x0) / (y1 - y0)
     line_in = 1.6 * style.text_pt / 72.0
-    entries = min(robots, MAX_LISTED) + 2
-    height_in = style.max_height_in - (2 + -(-entries // ENTRIES_IN_A_ROW)) * line_in
+    lines_below = 1 + -(-entries // max(1, int(style.width_in / ENTRY_IN)))
+    height_in = style.max_height_in - lines_below * line_in
 
-    def width_in(abreast: int) -> float:
+    def width_in(abreast: int, robots: int) -> float:
         columns, rows = abreast * times, -(-robots // abreast)
-        wide_in = (style.width_in - abreast * line_in) / columns
-        return min(wide_in, aspect * (height_in / rows - line_in))
+        wide_in = (style.width_in - abreast * line_in) / columns - GAP_IN
+        return min(wide_in, aspect * (height_in / rows - TITLE_LINES * line_in))
 
-    best = max(range(1, robots + 1), key=width_in)
-    if max(1.0, 1.0 / aspect) * width_in(best) < MIN_MAP_IN:
-        raise too_small(robots * times, style.width_in, style.max_height_in, SMALLER)
-    return best
+    def best(robots: int) -> tuple[float, int]:
+        width, minus_abreast = max((width_in(n, robots), -n) for n in range(1, robots + 1))
+        return max(1.0, 1.0 / aspect) * width, -minus_abreast
+
+    longer_in, abreast = best(robots)
+    if longer_in < MIN_MAP_IN:
+        fitting = [number for number in range(1, robots) if best(number)[0] >= MIN_MAP_IN]
+        remedy = f"at most {fitting[-1]} {SMALLER}" if fitting else SMALLER
+        raise too_small(robots * times, style.width_in, style.max_height_in, remedy)
+    return abreast
 
 
 def draw_robot_map(

@@ -197,8 +197,10 @@ def test_maps_are_as_large_as_can_be_or_refused(crowd):
     boxes = [ax.get_position() for ax in shown]
     assert min(max(box.width * width_in, box.height * height_in) for box in boxes) >= 0.9
     assert len({round(box.y0, 3) for box in boxes}) < 30
-    with pytest.raises(InvalidInputError, match=r"90 maps .* robots \(--robot\), fewer times"):
+    with pytest.raises(InvalidInputError, match=r"90 maps .* choose at most (\d+) rob") as refused:
         draw_figure("maps", crowd, style="ieee")
+    most = int(str(refused.value).partition("at most ")[2].split()[0])
+    draw_figure("maps", crowd, style="ieee", options=FigureOptions(robots=tuple(range(most))))
 
 
 @pytest.mark.slow

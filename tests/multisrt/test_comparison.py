@@ -325,7 +325,8 @@ import multisrt as ms
 
 print("begin")
 world = ms.Environment.from_outline("hall", shapely.box(0, 0, 9, 5), [shapely.box(4, 0, 5, 3)])
-found = ms.compare(world, ["srt-star", "srt-radial"], robots=[1, 2], seeds=2, workers=2)
+names = ["srt-star", "srt-radial"]
+found = ms.compare(world, names, robots=[1, 2], seeds=2, workers=2, progress=False)
 print(found.table())
 print(sorted(found.results.results[0].metrics.distance_by_robot_m)[0] > 0)
 """

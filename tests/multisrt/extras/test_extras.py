@@ -19,8 +19,9 @@ OPTIONAL = [MODULES.get(package, package) for packages in EXTRAS.values() for pa
 @pytest.fixture
 def bare(monkeypatch):
     """An installation without any extra."""
-    for package in OPTIONAL:
-        monkeypatch.setitem(sys.modules, package, None)
+    loaded = [name for name in sys.modules if name.partition(".")[0] in OPTIONAL]
+    for name in (*OPTIONAL, *loaded):
+        monkeypatch.setitem(sys.modules, name, None)
 
 
 @pytest.fixture(scope="module")

@@ -219,6 +219,6 @@ def test_motions_follow_the_path_inside_the_region(
         beyond = line.interpolate(length + 2.5 * MIN_MOTION_M)
         room = min(
             line.interpolate(length + share * MIN_MOTION_M).distance(region.exterior)
-            for share in (0.5, 1.0, 1.5, 2.0, 2.5)
+            for share in (0.1, 0.25, 0.5, 1.0, 1.5, 2.0, 2.5)
         )
         assert room < body.ample_radius_m or not region.contains(beyond)

@@ -328,9 +328,11 @@ def test_a_dead_robot_in_the_only_way_leaves_the_map_open(events_of, strategy):
 def test_jammed_balls_in_the_garden_do_not_call_their_map_complete(events_of):
     # At 175 s a jammed robot plans around its idle neighbours, behind which is all that is left:
     # 34 arcs. It must not call its map complete then, with nine tenths of the garden to come.
+    # Nodes a whole body apart, as there are hardly any places between them.
     spec = RunSpec(
         environment=CatalogEnvironment(name="garden"),
         strategy="srt-ball",
+        options={"d_min_m": 0.5},
         robots=(RobotSpec(),) * 4,
         starts="clustered",
         seed=8,

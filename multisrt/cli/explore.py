@@ -30,7 +30,7 @@ from multisrt.cli.outputs import (
 from multisrt.cli.run_options import DRIVES, FAULTS, OVERRIDES, USUAL, spec_of_options
 from multisrt.cli.sections import SectionedCommand
 from multisrt.cli.spec_files import read_run_spec
-from multisrt.cli.summary import MAX_WIDE, print_summary, robot_to_ask
+from multisrt.cli.summary import print_summary, robot_to_ask
 from multisrt.cli.view import MAX_RUNS, live_page, open_page, require_few, write_page
 from multisrt.cli.watching import Watching, require_terminal
 from multisrt.geometry.errors import InvalidInputError
@@ -334,10 +334,8 @@ def _show_page(runs: list[Run], page: Path, given: dict[str, Any], *, quiet: boo
 
 
 def _print_next(runs: list[Run], whole: Path, folders: list[Path], given: dict[str, Any]) -> None:
-    if len(runs) > MAX_WIDE and not (given["details"] or given["regret"]):
-        click.echo("all measures: in each run.json, or here with --details")
-    elif not given["details"]:
-        click.echo("all measures: in run.json, or here with --details")
+    if not given["details"]:
+        click.echo(f"all measures: in {'each ' * (len(runs) > 1)}run.json, or here with --details")
     if not (given["view"] or given["live"]):
         shown = whole if len(runs) <= MAX_RUNS else folders[0]
         click.echo(f"next: multisrt view {shlex.quote(str(shown))}")

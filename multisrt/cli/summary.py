@@ -99,21 +99,18 @@ def _ended(run: Run) -> str:
     from multisrt.drawing.account import OUTCOMES
     from multisrt.experiments.results import is_success
 
-    outcome = OUTCOMES[run.recording.footer.outcome]
+    outcome = OUTCOMES[run.outcome]
     if is_success(run.metrics):
         return outcome
+    if run.metrics.reached():
+        return f"{outcome}, but with a collision: no success"
     return f"{outcome}, but only {100.0 * run.metrics.coverage:.1f} % covered: no success"
 
 
 def _print_measures(runs: list[Run], regrets: list[Regret] | None, *, details: bool) -> None:
-    scans = {_scans(run) for run in runs}
-    nodes = (
-        "nodes or informative scans"
-        if len(scans) > 1
-        else "informative scans"
-        if True in scans
-        else "nodes"
-    )
+    # Sorted: nodes first.
+    kinds = sorted({_scans(run) for run in runs})
+    nodes = " or ".join("informative scans" if scans else "nodes" for scans in kinds)
     rows = [_rows(run, nodes, runs, details=details) for run in runs]
     for row, run, times in zip(rows, runs, regrets or (), strict=False):
         row |= _regret_rows(run, times)
@@ -250,7 +247,7 @@ def _regret_rows(run: Run, times: Regret) -> Rows:
 
 
 def _multiple(value: float | None) -> str:
-    return "never" if value is None else f"{value:.2f}"
+    return "none" if value is None else f"{value:.2f}"
 
 
 def _times_covered(run: Run, *, narrow: bool) -> Rows:

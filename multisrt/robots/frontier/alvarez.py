@@ -146,8 +146,8 @@ class Rules:
             return ()
         robot.team.cells.tried[place] = None
         robot.frontiers.give_up(place)
-        # Other robots may find a path where a car does not.
-        return () if because == Event.NO_WAY and robot.car is not None else (place,)
+        # Other robots may find a path, as they come from elsewhere.
+        return () if because == Event.NO_WAY else (place,)
 
     def wander(self, robot: FrontierRobot, because: Event) -> Choice:
         """RANDOM GOAL: choose a random place that is known, to continue from there."""

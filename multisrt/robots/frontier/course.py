@@ -6,7 +6,7 @@ import math
 
 from multisrt.geometry.configuration import Configuration
 from multisrt.planners.motion.trajectory import Trajectory
-from multisrt.robots.frontier.goal import Goal
+from multisrt.robots.frontier.goal import Goal, Place
 
 
 class Course:
@@ -35,6 +35,8 @@ class Course:
         The motion in progress.
     set_out_s : float
         When the last motion began.
+    stuck_at : (x, y) or None
+        Where it stood when a path from exactly there was not free.
 
     Examples
     --------
@@ -52,6 +54,16 @@ class Course:
         self.goal_revision = -1
         self.motion: Trajectory | None = None
         self.set_out_s = 0.0
+        self.stuck_at: Place | None = None
+
+    @property
+    def is_stuck(self) -> bool:
+        """Whether paths are to begin beside where the robot stands."""
+        return self.stuck_at == self.at[:2]
+
+    def note_no_path(self) -> None:
+        """Record that the path was not free: from exactly here, or else from beside here."""
+        self.stuck_at = None if self.is_stuck else self.at[:2]
 
     def set_goal(self, goal: Goal | None, revision: int) -> None:
         """Take a goal that was chosen now, by a revision of the raster."""

@@ -173,13 +173,13 @@ class FrontierExplorer:
         return ended
 
     def judge_no_path(self, goal: Goal) -> None:
-        """Give a goal up if it is the second to which the path was not free from here."""
-        robot, here = self.robot, self.progress.standstill
+        """Give a goal up if the path to it was not free too often; see `Progress.note_no_path`."""
+        robot = self.robot
+        robot.course.note_no_path()
         if robot.car is not None:
             robot.frontiers.note_no_path(goal.place, robot.bodies.numbers())
-        if here.found_no_path:
+        if self.progress.note_no_path(goal.place):
             robot.frontiers.give_up(goal.place)
-        here.found_no_path = True
 
     def request(self) -> Event:
         """Return what the others want from this robot, the most urgent first."""

@@ -97,8 +97,9 @@ class PathFinder:
         cell = self.first_cell()
         if cell is None:
             return None
-        # From the exact place, so that a path does not begin with a turn to the cell's centre.
-        here = cell == raster.cell_of(x, y)
+        # From the exact place, so that a path does not begin with a turn to the cell's centre,
+        # unless that path turned out not to be free, as beside a wall.
+        here = cell == raster.cell_of(x, y) and not self._course.is_stuck
         return self._fields.begin((x, y) if here else raster.centre_of(*cell))
 
     def first_cell(self) -> tuple[int, int] | None:

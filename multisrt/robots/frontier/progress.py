@@ -54,6 +54,7 @@ began no other one begins while the map stays the same.
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum, StrEnum, auto
@@ -160,6 +161,10 @@ TRANSITIONS: Final[Mapping[State, Mapping[Event, State]]] = MappingProxyType(
 """Transitions: the next state by state and event."""
 
 
+MAX_PATHS = 4
+"""A goal is given up once this many paths to it turned out not to be free."""
+
+
 @dataclass(slots=True)
 class Standstill:
     """The unsuccessful attempts of a robot since it last moved.
@@ -222,6 +227,7 @@ class Progress:
         # When the last drive began, until what came of it is dealt with.
         self._set_out_s: float | None = None
         self._instant_goals = 0
+        self._without_path: Counter[Place] = Counter()
 
     def advance(self, event: Event) -> None:
         """Continue to the next state.
@@ -253,6 +259,17 @@ class Progress:
         elif revision != self._standstill.revision:
             self._standstill.revision, self._standstill.jams = revision, {}
         return self._standstill
+
+    def note_no_path(self, place: Place) -> bool:
+        """Count that the path to a goal was not free; return whether to give that goal up.
+
+        That is so for the second such goal while the robot stands here, and for a goal to which
+        `MAX_PATHS` paths were not free, from wherever they began.
+        """
+        here = self.standstill
+        self._without_path[place] += 1
+        found_none, here.found_no_path = here.found_no_path, True
+        return found_none or self._without_path[place] >= MAX_PATHS
 
     def note_detour(self) -> None:
         """Record that a detour begins here."""

@@ -19,6 +19,7 @@ from multisrt.robots.frontier.bodies import discs_of
 from multisrt.robots.frontier.driving import Driven, carry_out, drive, reason_to_end
 from multisrt.robots.frontier.goal import Goal, Place, length_of
 from multisrt.robots.frontier.options import BiddingOptions
+from multisrt.robots.frontier.progress import Event
 from multisrt.robots.frontier.robot import FrontierRobot
 
 STUCK_S = 5.0
@@ -47,8 +48,25 @@ def drive_by_option(robot: FrontierRobot, goal: Goal) -> Driven:
     `driving.drive`.
     """
     options = cast(BiddingOptions, robot.options)
-    if options.drive == "path" or options.sense == "targets":
-        return (yield from drive(robot, goal))
+    if options.drive == "nearness-diagram" and options.sense == "moving":
+        ended = yield from steer(robot, goal, options)
+        yield from robot.map_last_scan()
+        if isinstance(ended, Event):
+            return ended
+        yield Note(DiagramLeft(time_s=robot.time_s, robot=robot.me.robot, because=ended))
+    return (yield from drive(robot, goal))
+
+
+def steer(
+    robot: FrontierRobot, goal: Goal, options: BiddingOptions
+) -> Generator[Action, Outcome, Event | DiagramEnd]:
+    """Steer along a goal's path by the diagram.
+
+    Returns
+    -------
+    Event or str
+        The reason to end the drive, or why the rest of it is to follow the path.
+    """
     path = goal.path
     nearest_m, since_s = math.inf, robot.time_s
     while True:
@@ -59,20 +77,15 @@ def drive_by_option(robot: FrontierRobot, goal: Goal) -> Driven:
         left_m = length_of(path) + math.dist(robot.at[:2], path[0])
         if left_m < nearest_m - PROGRESS_M:
             nearest_m, since_s = left_m, robot.time_s
-        because: DiagramEnd | None = None
         if left_m < NEAR_GOAL_M:
-            because = "near the goal"
-        elif robot.time_s > since_s + STUCK_S:
-            because = "no progress"
-        else:
-            towards = lead(robot, path, options.lookahead_m)
-            held_s = yield from hold_command(robot, towards, options)
-            # A command that a request cut short could be held.
-            if held_s < MIN_HELD_S and not robot.team.requests.any_pending:
-                because = "no command"
-        if because is not None:
-            yield Note(DiagramLeft(time_s=robot.time_s, robot=robot.me.robot, because=because))
-            return (yield from drive(robot, goal))
+            return "near the goal"
+        if robot.time_s > since_s + STUCK_S:
+            return "no progress"
+        towards = lead(robot, path, options.lookahead_m)
+        held_s = yield from hold_command(robot, towards, options)
+        # A command that a request cut short could be held.
+        if held_s < MIN_HELD_S and not robot.team.requests.any_pending:
+            return "no command"
 
 
 def hold_command(
@@ -124,7 +137,7 @@ def hold_command(
         return held_s
     began_s = robot.time_s
     moved = yield from carry_out(robot, motion(chosen, kinematics, robot.at, held_s), "explore")
-    yield from robot.perceive()
+    yield from robot.perceive_on_the_way()
     return moved.time_s - began_s
 
 

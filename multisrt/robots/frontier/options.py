@@ -27,7 +27,7 @@ class FrontierOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
     sense : {"moving", "targets"}
         Whether the robot takes scans while it drives, or at its goals only.
     sense_period_s : float
-        Time between two scans while driving, in seconds.
+        Time between two scans that are added to the map while driving, in seconds.
     min_frontier_m : float or None
         Groups of frontier cells that are shorter than this are dropped; None: the body's width.
     replan : {"news", "target", "arrival"}
@@ -96,10 +96,10 @@ class FrontierOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
     shape: Shape = "radial"
     cones: int = 16
     sense: Literal["moving", "targets"] = "moving"
-    sense_period_s: float = 0.5
+    sense_period_s: float = 1.0
     min_frontier_m: float | None = None
     replan: Literal["news", "target", "arrival"] = "news"
-    replan_period_s: float = 1.0
+    replan_period_s: float = 2.0
     reached: Literal["cell", "sight"] = "cell"
     paths: Literal["march", "eedt"] = "march"
     report_period_s: float = 2.0
@@ -178,7 +178,7 @@ class BiddingOptions(FrontierOptions, frozen=True, kw_only=True, forbid_unknown_
     """
 
     drive: Literal["path", "nearness-diagram"] = "path"
-    control_period_s: float = 0.25
+    control_period_s: float = 0.5
     lookahead_m: float = 1.5
 
     def __post_init__(self) -> None:

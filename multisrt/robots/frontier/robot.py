@@ -33,6 +33,9 @@ from multisrt.robots.frontier.team import Team
 Watch = Callable[["FrontierRobot"], Steps]
 """Called after every scan that showed something new."""
 
+ROUNDING_S = 1e-9
+"""Times that differ by less than this are equal."""
+
 
 class FrontierRobot:
     """The input of the rules of frontier bidding: one robot's knowledge and its place.
@@ -87,6 +90,9 @@ class FrontierRobot:
         self.body = PlanningBody(me.footprint, 0.5 * options.margin_m)
         self._watch = watch
         self._told_complete = False
+        # When a scan was last added to the map, and the last scan if it was not.
+        self._mapped_s = -math.inf
+        self._not_mapped: Scan | None = None
         # Legs are planned for this disc: see `driven_body`.
         self._disc = PlanningBody(Footprint.disc(self.body.outer_radius_m), 0.5 * options.margin_m)
         least_m = options.min_frontier_m
@@ -228,9 +234,24 @@ class FrontierRobot:
         """
         scan = cast(Scan, (yield Sense()))
         self.course.time_s = scan.time_s
-        if not maps:
+        if maps:
+            yield from self._add(scan)
+        else:
             self.map.view(scan)
-            return
+            self._not_mapped = scan
+
+    def perceive_on_the_way(self) -> Steps:
+        """Take a scan; add it to the map if the last one that was added is old enough."""
+        next_s = self._mapped_s + self.options.sense_period_s
+        yield from self.perceive(maps=self.time_s >= next_s - ROUNDING_S)
+
+    def map_last_scan(self) -> Steps:
+        """Add the last scan to the map, if that has not been done."""
+        if self._not_mapped is not None:
+            yield from self._add(self._not_mapped)
+
+    def _add(self, scan: Scan) -> Steps:
+        self._mapped_s, self._not_mapped = scan.time_s, None
         node = self.map.add(scan)
         if node is None:
             return

@@ -19,7 +19,10 @@ from typing import NamedTuple
 HERE = Path(__file__).parents[1]
 
 STRATEGIES = ("closest", "greedy", "minpos", "utility", "rules", "self-bidding")
-WORLD, ROBOTS, SEED = "museum", 4, 1
+WORLD, ROBOTS = "museum", 4
+
+SEEDS = 4
+"""Number of missions, with other starts, of which the means count: lengths differ by chance."""
 
 ROUNDS = 2
 """Turns of each version, of which the faster counts."""
@@ -28,28 +31,34 @@ MISSION = """
 import hashlib, sys, time
 from multisrt import CatalogEnvironment, RobotSpec, RunSpec, StopRule, environment, simulate
 
-world, strategy, robots, seed, limit_s = sys.argv[1:]
-mission = RunSpec(
-    environment=CatalogEnvironment(name=world),
-    strategy=strategy,
-    robots=(RobotSpec(),) * int(robots),
-    starts="clustered",
-    stop=StopRule(max_time_s=float(limit_s)),
-    seed=int(seed),
-)
+world, strategy, robots, seeds, limit_s = sys.argv[1:]
 free = environment(world)
-simulate(mission, free)  # compiles or loads the kernels
-begin = time.process_time()
-recording = simulate(mission, free)
-spent_s = time.process_time() - begin
-digest = hashlib.sha256(repr(recording.events).encode()).hexdigest()
-print(spent_s, recording.footer.time_s, digest)
+
+def mission(seed):
+    return RunSpec(
+        environment=CatalogEnvironment(name=world),
+        strategy=strategy,
+        robots=(RobotSpec(),) * int(robots),
+        starts="scattered",
+        stop=StopRule(max_time_s=float(limit_s)),
+        seed=seed,
+    )
+
+simulate(mission(1), free)  # compiles or loads the kernels
+spent_s, time_s, digest = 0.0, 0.0, hashlib.sha256()
+for seed in range(1, int(seeds) + 1):
+    begin = time.process_time()
+    recording = simulate(mission(seed), free)
+    spent_s += time.process_time() - begin
+    time_s += recording.footer.time_s
+    digest.update(repr(recording.events).encode())
+print(spent_s / int(seeds), time_s / int(seeds), digest.hexdigest())
 """
 """Uses only names that older versions have, too."""
 
 
 class Cost(NamedTuple):
-    """What a mission cost.
+    """What missions cost, in the mean.
 
     Attributes
     ----------
@@ -58,7 +67,7 @@ class Cost(NamedTuple):
     time_s : float
         Simulated time at its end.
     digest : str
-        Digest of all its events.
+        Digest of all events of the missions.
     """
 
     cpu_s: float
@@ -66,15 +75,15 @@ class Cost(NamedTuple):
     digest: str
 
 
-def mission_cost(checkout: Path, strategy: str, limit_s: float) -> Cost:
-    """Measure a mission with the version in a checkout.
+def mission_cost(checkout: Path, strategy: str, seeds: int, limit_s: float) -> Cost:
+    """Measure missions with the version in a checkout.
 
     Raises
     ------
     SystemExit
-        If that version does not run it.
+        If that version does not run them.
     """
-    order = (WORLD, strategy, ROBOTS, SEED, limit_s)
+    order = (WORLD, strategy, ROBOTS, seeds, limit_s)
     done = subprocess.run(
         [sys.executable, "-P", "-c", MISSION, *map(str, order)],
         env={**os.environ, "PYTHONPATH": str(checkout)},
@@ -88,10 +97,10 @@ def mission_cost(checkout: Path, strategy: str, limit_s: float) -> Cost:
     return Cost(float(cpu_s), float(time_s), digest)
 
 
-def compare(checkout: Path, strategy: str, limit_s: float, rounds: int) -> str:
+def compare(checkout: Path, strategy: str, seeds: int, limit_s: float, rounds: int) -> str:
     """Return the line of the table for a strategy."""
     turns = [
-        (mission_cost(checkout, strategy, limit_s), mission_cost(HERE, strategy, limit_s))
+        tuple(mission_cost(side, strategy, seeds, limit_s) for side in (checkout, HERE))
         for _ in range(rounds)
     ]
     old, new = (min(side, key=lambda cost: cost.cpu_s) for side in zip(*turns, strict=True))
@@ -108,6 +117,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.against", description=__doc__)
     parser.add_argument("checkout", type=Path, help="folder of the older version")
     parser.add_argument("strategies", metavar="STRATEGY", nargs="*", default=STRATEGIES)
+    parser.add_argument("--seeds", type=int, default=SEEDS, help="number of missions")
     parser.add_argument("--rounds", type=int, default=ROUNDS, help="turns of each version")
     parser.add_argument(
         "--limit", type=float, default=86400.0, metavar="S", help="end of missions (simulated s)"
@@ -116,13 +126,15 @@ def main(arguments: Sequence[str] | None = None) -> None:
     if not (named.checkout / "multisrt" / "__init__.py").is_file():
         parser.error(f"{named.checkout} holds no multisrt: name the root of a checkout")
     print(
-        f"{WORLD}, {ROBOTS} robots, seed {SEED}\n"
+        f"{WORLD}, {ROBOTS} robots; means of {named.seeds} missions\n"
         f"{'':>14} {'processor time, s':>25} {'mission, s':>19} {'a robot and second':>18}\n"
         f"{'strategy':>14} {'old':>8} {'new':>8} {'old/new':>7} "
         f"{'old':>9} {'new':>9} {'old/new':>7}  events"
     )
     for strategy in named.strategies:
-        line = compare(named.checkout.resolve(), strategy, named.limit, named.rounds)
+        line = compare(
+            named.checkout.resolve(), strategy, named.seeds, named.limit, named.rounds
+        )
         print(line, flush=True)
 
 

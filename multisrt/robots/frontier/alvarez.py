@@ -246,11 +246,13 @@ class Rules:
             owners, asked = [own], [math.inf]
             for mate in mates:
                 assert mate.aim is not None
-                is_near = math.dist(here, mate.aim) < own
-                owners.append(
-                    path_cost(robot, survey, mate.place[:2], mate.aim) if is_near else math.inf
-                )
-                asked.append(path_cost(robot, survey, here, mate.aim) if is_near else math.inf)
+                to_it = theirs = math.inf
+                if math.dist(here, mate.aim) < own:
+                    to_it = path_cost(robot, survey, here, mate.aim)
+                if to_it < own:
+                    theirs = path_cost(robot, survey, mate.place[:2], mate.aim)
+                asked.append(to_it)
+                owners.append(theirs)
             partner = exchange(0, asked, owners)
             if partner is None:
                 return False

@@ -142,8 +142,8 @@ def take_survey(
     x1, y1 = raster.centre_of(row + shape[0] - pad - 1, column + shape[1] - pad - 1)
     xs, ys = _middles(x0 - width, x1 + width, width), _middles(y0 - width, y1 + width, width)
     at = np.ix_(
-        [raster.cell_of(0.0, y)[0] - row for y in ys.tolist()],
-        [raster.cell_of(x, 0.0)[1] - column for x in xs.tolist()],
+        raster.cells_of(np.column_stack([np.zeros(len(ys)), ys]))[:, 0] - row,
+        raster.cells_of(np.column_stack([xs, np.zeros(len(xs))]))[:, 1] - column,
     )
     unexplored = unknown[at]
     obstacle = ~unexplored & ~traversable[at]

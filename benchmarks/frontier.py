@@ -70,6 +70,13 @@ MAX_STEP_YARDSTICKS = 0.35
 MAX_GROWTH = 1.5
 """Upper bound of a cost in a large map over that in a small one."""
 
+LOCAL = ("srt-star", "srt-radial", "closest")
+"""Strategies whose decisions look at what is near. The others compare all frontiers by definition,
+`srt-ball` fills what is known with small balls, and their decisions cost more in a larger map."""
+
+MAX_LOCAL_GROWTH = 1.2
+"""Upper bound of what a decision of theirs costs in a world four times as large."""
+
 CROWD, CROWD_BEAMS, CROWD_WORLD, CROWD_RUN_S = 10, 360, "office", 60.0
 RANGE_M, RADIUS_M, CELL_M = 4.0, 0.25, 0.1
 
@@ -297,6 +304,36 @@ def decision_in_large_map(near_m: float = 12.0, far_m: float = 24.0) -> Iterator
     )
 
 
+def missions_in_large_world(width_m: float = 30.0) -> Iterator[Claim]:
+    """Measure what whole missions cost a node, in worlds of two sizes with the same rooms."""
+    sides = {
+        factor: Environment("rooms", worlds.office(factor * width_m, 6 * factor, desks=1, seed=3))
+        for factor in (1, 2)
+    }
+    for name in LOCAL:
+        specs = {
+            factor: RunSpec(
+                environment=inline(world), strategy=name, robots=(RobotSpec(),) * 2, seed=1
+            )
+            for factor, world in sides.items()
+        }
+        simulate(specs[1], sides[1])  # compiles
+        cost: dict[int, float] = {1: math.inf, 2: math.inf}
+        for _ in range(ROUNDS):
+            for factor, spec in specs.items():
+                begin = time.process_time()
+                recording = simulate(spec, sides[factor])
+                spent = time.process_time() - begin
+                nodes = sum(isinstance(event, NodeAdded) for event in recording.events)
+                cost[factor] = min(cost[factor], spent / nodes)
+        yield Claim(
+            text=f"a node of {name}, world 4 times as large: the small world",
+            ours=cost[2] * 1e6,
+            theirs=cost[1] * 1e6,
+            at_most=MAX_LOCAL_GROWTH,
+        )
+
+
 def raster_in_large_map() -> Iterator[Claim]:
     """Measure the painting of regions into what a robot knows, in maps of two sizes."""
     free = worlds.office(120.0, 24, seed=3)
@@ -396,6 +433,7 @@ BENCHMARKS: dict[str, Benchmark] = {
     "mission": mission,
     "many robots": crowd,
     "decision in a large map": decision_in_large_map,
+    "missions in a large world": missions_in_large_world,
     "repair of a field": repair,
     "raster of a large map": raster_in_large_map,
     "travel": travel,

@@ -39,7 +39,8 @@ COMPLETE      No frontier is left that it can reach; the robot is done until it 
 What ends a state is an `Event`; `TRANSITIONS` says where it leads. Attempts that fail are counted,
 and the limits are options. Jams are counted while the robot stands at one place and its map stays
 the same (`Standstill`); waits while its map stays the same, wherever it moves; and where a detour
-began no other one begins while the map stays the same.
+began no other one begins while the map stays the same. Goals to which no path was free are given
+up, see `Progress.note_no_path`.
 
 ====================  ============================================================================
 `patience`            times a robot asks another to give way, in MEETING, before it takes the body

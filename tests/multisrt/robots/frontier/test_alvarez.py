@@ -267,6 +267,20 @@ def test_a_place_reached_in_vain_is_reported_and_given_up(acts_of):
     assert list(mate.team.cells.tried) == [first.place]
 
 
+def test_a_place_to_which_this_robot_finds_no_way_is_left_to_the_others(acts_of):
+    robot = robot_in(HALL, 15, 5, team=2)
+    rules = Rules()
+    told = []
+    for because in (Event.START, Event.NO_WAY, Event.NO_WAY):
+        acts, goal = acts_of(rules.choose(robot, because))
+        told += [act.message for act in acts if isinstance(act, Send)]
+    (given_up,) = robot.team.cells.tried
+    assert goal.place != given_up
+    # It says which cells it cannot reach; these are obstacles once all have said so.
+    assert told
+    assert all(message.tried == () for message in told)
+
+
 def test_a_cell_that_no_robot_can_reach_is_an_obstacle(acts_of):
     robot = robot_in(HALL, 15, 5, team=3)
     others = [robot_in(HALL, 14 + k, 4, number=k, team=3) for k in (1, 2)]

@@ -20,6 +20,7 @@ from multisrt.events import (
     MapComplete,
     Motion,
     NodeAdded,
+    Sensed,
     Sent,
 )
 from multisrt.geometry.errors import InvalidInputError
@@ -309,6 +310,10 @@ def test_all_that_bid_can_drive_by_the_diagram(name):
     left = Counter(e.because for e in events(diagram, DiagramLeft))
     assert measure(diagram, PLAZA).diagram_left == dict(left)
     assert set(left) <= set(get_args(DiagramEnd))
+    # It looks for every command, but maps what it sees at most once in a period of sensing.
+    sensed = len(events(diagram, Sensed))
+    assert len(events(diagram, NodeAdded)) < 0.7 * sensed
+    assert sensed >= len(events(diagram, Motion))
     # It drives in arcs, and slows down near walls.
     assert diagram.footer.time_s > paths.footer.time_s
     assert len(events(diagram, Motion)) > len(events(paths, Motion))

@@ -516,6 +516,21 @@ def test_paths_begin_where_no_body_stops_the_robot(body, pocket, west, begins_in
         assert robot.path_finder.first_cell() == expected[begins_in]
 
 
+def test_where_no_path_from_its_place_is_free_a_robot_sets_out_from_the_middle_of_its_cell():
+    robot = robot_at([(5.03, 4.24)])
+    middle = robot.raster.centre_of(*robot.raster.cell_of(*robot.at[:2]))
+    assert middle != robot.at[:2]
+    begins = []
+    for _ in range(3):
+        begins.append(tuple(robot.own_field().sources[0].tolist()))
+        robot.course.note_no_path()
+    assert begins == [robot.at[:2], middle, robot.at[:2]]
+    # Elsewhere its paths begin where it stands again.
+    robot.course.note_no_path()
+    robot.course.at = Configuration(5.03, 5.24, 0.0)
+    assert tuple(robot.own_field().sources[0].tolist()) == robot.at[:2]
+
+
 @pytest.mark.parametrize(
     ("reached", "place", "seen"),
     [

@@ -120,6 +120,20 @@ def test_waits_count_until_the_map_changes():
     assert progress.may_wait
 
 
+def test_a_goal_without_a_free_path_is_given_up_at_the_second_try_here_or_the_fourth_anywhere():
+    progress, course = progress_with()
+    far, near = (9.0, 9.0), (1.0, 1.0)
+    assert not progress.note_no_path(near)
+    assert progress.note_no_path(near)
+    # Not the goal, but the place at which the robot stands, may be at fault.
+    assert progress.note_no_path(far)
+    given_up = []
+    for x in range(1, 4):
+        course.at = Configuration(float(x), 0.0, 0.0)
+        given_up.append(progress.note_no_path(far))
+    assert given_up == [False, False, True]
+
+
 def test_many_goals_at_one_moment_are_hasty():
     progress, course = progress_with(max_instant_goals=2)
 

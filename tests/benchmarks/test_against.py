@@ -9,7 +9,7 @@ from benchmarks import against
 def test_a_version_does_the_same_as_itself(monkeypatch):
     monkeypatch.setattr(against, "WORLD", "open")
     monkeypatch.setattr(against, "ROBOTS", 2)
-    line = against.compare(against.HERE, "closest", limit_s=4.0, rounds=1)
+    line = against.compare(against.HERE, "closest", seeds=2, limit_s=4.0, rounds=1)
     strategy, *figures, _, _ = line.split()
     assert strategy == "closest"
     old_s, new_s, times, old_end_s, new_end_s, _ = map(float, figures)
@@ -29,4 +29,4 @@ def test_what_a_version_does_not_run_is_told(tmp_path: Path):
     package.mkdir()
     (package / "__init__.py").write_text("")
     with pytest.raises(SystemExit, match="does not run closest"):
-        against.mission_cost(tmp_path, "closest", 1.0)
+        against.mission_cost(tmp_path, "closest", 1, 1.0)

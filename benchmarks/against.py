@@ -132,9 +132,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         f"{'old':>9} {'new':>9} {'old/new':>7}  events"
     )
     for strategy in named.strategies:
-        line = compare(
-            named.checkout.resolve(), strategy, named.seeds, named.limit, named.rounds
-        )
+        line = compare(named.checkout.resolve(), strategy, named.seeds, named.limit, named.rounds)
         print(line, flush=True)
 
 

@@ -278,7 +278,9 @@ def test_a_place_to_which_this_robot_finds_no_way_is_left_to_the_others(acts_of)
     assert goal.place != given_up
     # It says which cells it cannot reach; these are obstacles once all have said so.
     assert told
-    assert all(message.tried == () for message in told)
+    for message in told:
+        assert isinstance(message, InaccessibleMessage)
+        assert message.tried == ()
 
 
 def test_a_cell_that_no_robot_can_reach_is_an_obstacle(acts_of):

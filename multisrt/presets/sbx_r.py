@@ -315,8 +315,8 @@ SBX_R_PRESET = Preset(
     claims=claims,
     tables=tables,
     deviations=DEVIATIONS,
-    run_s=12.0,
-    quick_run_s=10.0,
+    run_s=9.0,
+    quick_run_s=7.0,
     on_map=in_world,
     ablations=ABLATIONS,
 )

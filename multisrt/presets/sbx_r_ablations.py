@@ -54,7 +54,7 @@ def _ablation(
 
 ABLATIONS = Ablations(
     repetitions=15,
-    run_s=13.0,
+    run_s=10.0,
     quick_repetitions=6,
     changes=(
         _ablation(FORGETS, lost_after_s=15.0),

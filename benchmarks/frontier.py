@@ -70,9 +70,8 @@ MAX_STEP_YARDSTICKS = 0.35
 MAX_GROWTH = 1.5
 """Upper bound of a cost in a large map over that in a small one."""
 
-LOCAL = ("srt-star", "srt-radial", "closest")
-"""Strategies whose decisions look at what is near. The others compare all frontiers by definition,
-`srt-ball` fills what is known with small balls, and their decisions cost more in a larger map."""
+LOCAL = ("srt-ball", "srt-star", "srt-radial", "closest")
+"""Strategies whose decisions depend on what is near; those of the others compare all frontiers."""
 
 MAX_LOCAL_GROWTH = 1.2
 """Upper bound of what a decision of theirs costs in a world four times as large."""
@@ -318,7 +317,7 @@ def missions_in_large_world(width_m: float = 30.0) -> Iterator[Claim]:
             for factor, world in sides.items()
         }
         simulate(specs[1], sides[1])  # compiles
-        cost: dict[int, float] = {1: math.inf, 2: math.inf}
+        cost = dict.fromkeys(sides, math.inf)
         for _ in range(ROUNDS):
             for factor, spec in specs.items():
                 begin = time.process_time()

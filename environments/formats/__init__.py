@@ -1,21 +1,24 @@
 """Readers of map files, one format in each module."""
 
 from pathlib import Path
-from typing import Protocol
+from typing import Final
 
 from multisrt.environments.environment import Environment
-from multisrt.environments.formats.files import require_file
-from multisrt.environments.formats.geojson import read_geojson
-from multisrt.environments.formats.image import read_image
-from multisrt.environments.formats.imr import read_imr
-from multisrt.environments.formats.map_server import read_map_server
-from multisrt.environments.formats.moving_ai import read_moving_ai
-from multisrt.environments.formats.wkt import read_wkt
+from multisrt.environments.formats.geojson import GEOJSON, read_geojson
+from multisrt.environments.formats.image import IMAGE, read_image
+from multisrt.environments.formats.imr import IMR, read_imr
+from multisrt.environments.formats.map_format import Beginning, MapFormat, Reader, beginning_of
+from multisrt.environments.formats.map_server import MAP_SERVER, read_map_server
+from multisrt.environments.formats.moving_ai import MOVING_AI, read_moving_ai
+from multisrt.environments.formats.wkt import WKT, read_wkt
 from multisrt.geometry.errors import MapFormatError
 
 __all__ = [
     "FORMATS",
+    "Beginning",
+    "MapFormat",
     "Reader",
+    "format_of",
     "read_environment",
     "read_geojson",
     "read_image",
@@ -25,42 +28,49 @@ __all__ = [
     "read_wkt",
 ]
 
-
-class Reader(Protocol):
-    """Reader of one format, which rejects options that do not apply to it."""
-
-    def __call__(
-        self,
-        path: Path,
-        *,
-        resolution_m: float | None = None,
-        threshold: float | None = None,
-        name: str | None = None,
-    ) -> Environment:
-        """Return the world of a file, or raise a MapFormatError; see `read_environment`."""
+FORMATS: Final[tuple[MapFormat, ...]] = (
+    MAP_SERVER,
+    IMAGE,
+    GEOJSON,
+    WKT,
+    MOVING_AI,
+    IMR,
+)
+"""The formats that are read."""
 
 
-FORMATS: dict[str, Reader] = {
-    ".yaml": read_map_server,
-    ".yml": read_map_server,
-    ".png": read_image,
-    ".pgm": read_image,
-    ".pbm": read_image,
-    ".ppm": read_image,
-    ".pnm": read_image,
-    ".bmp": read_image,
-    ".gif": read_image,
-    ".jpg": read_image,
-    ".jpeg": read_image,
-    ".tif": read_image,
-    ".tiff": read_image,
-    ".geojson": read_geojson,
-    ".json": read_geojson,
-    ".wkt": read_wkt,
-    ".map": read_moving_ai,
-    ".txt": read_imr,
-}
-"""Readers by suffix in lower case."""
+def format_of(path: Path) -> MapFormat:
+    """Return the format of a map file, by its content or else by its suffix.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+
+    Raises
+    ------
+    MapFormatError
+        If there is no such file, or neither its content nor its suffix is known.
+
+    Examples
+    --------
+    >>> from multisrt.environments.catalog import MAPS
+    >>> format_of(MAPS / "library.wkt").name
+    'well-known text'
+    """
+    beginning = beginning_of(path)
+    for known in FORMATS:
+        if known.recognises(beginning):
+            return known
+    # Its reader says what is wrong with the file.
+    for known in FORMATS:
+        if path.suffix.lower() in known.suffixes:
+            return known
+    readable = ", ".join(f"{known.name} ({' '.join(known.suffixes)})" for known in FORMATS)
+    raise MapFormatError(
+        f"{path} is not a map that is known by its content or its suffix {path.suffix!r}; "
+        f"readable are: {readable}"
+    )
 
 
 def read_environment(
@@ -70,13 +80,13 @@ def read_environment(
     threshold: float | None = None,
     name: str | None = None,
 ) -> Environment:
-    """Return the world of a map file, whose suffix determines the format.
+    """Return the world of a map file, whose content determines the format.
 
     Parameters
     ----------
     path : str or Path
-        ROS map server (.yaml), image (.png, .pgm, ...), GeoJSON (.geojson, .json), well-known
-        text (.wkt), MovingAI grid (.map) or IMR polygons (.txt).
+        A file of one of the `FORMATS`: ROS map server, image, GeoJSON, well-known text, MovingAI
+        grid or IMR polygons.
     resolution_m : float, optional
         Metres per pixel or cell. Required for images and MovingAI grids; other formats have a
         scale of their own and do not accept it.
@@ -93,8 +103,8 @@ def read_environment(
     Raises
     ------
     MapFormatError
-        If the suffix is not in ``FORMATS``, or the file cannot be read; the message names the
-        file, the place in it and the remedy.
+        If the format is not known, or the file cannot be read; the message names the file, the
+        place in it and the remedy.
 
     Examples
     --------
@@ -103,10 +113,4 @@ def read_environment(
     'reading room'
     """
     path = Path(path)
-    require_file(path)
-    reader = FORMATS.get(path.suffix.lower())
-    if reader is None:
-        raise MapFormatError(
-            f"{path} has the suffix {path.suffix!r}; readable are {', '.join(FORMATS)}"
-        )
-    return reader(path, resolution_m=resolution_m, threshold=threshold, name=name)
+    return format_of(path).read(path, resolution_m=resolution_m, threshold=threshold, name=name)

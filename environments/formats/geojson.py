@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -16,6 +17,7 @@ from multisrt.environments.formats.files import (
     refuse_threshold,
     shown,
 )
+from multisrt.environments.formats.map_format import Beginning, MapFormat
 from multisrt.geometry.errors import MapFormatError
 
 KINDS = {
@@ -242,3 +244,18 @@ def _list(place: _Place, item: dict[str, object], key: str) -> list[object]:
     if not isinstance(value, list):
         raise place.error(f"{key} is {shown(value)}", "it is a list")
     return value
+
+
+def _is_geojson(beginning: Beginning) -> bool:
+    kinds = "Feature|FeatureCollection|GeometryCollection|(Multi)?(Polygon|Point|LineString)"
+    return beginning.text.lstrip().startswith("{") and (
+        re.search(rf'"type"\s*:\s*"({kinds})"', beginning.text) is not None
+    )
+
+
+GEOJSON = MapFormat(
+    name="GeoJSON",
+    suffixes=(".geojson", ".json"),
+    recognises=_is_geojson,
+    read=read_geojson,
+)

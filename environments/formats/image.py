@@ -19,6 +19,7 @@ from multisrt.environments.formats.files import (
     require_number,
     require_resolution,
 )
+from multisrt.environments.formats.map_format import Beginning, MapFormat
 from multisrt.geometry.errors import MapFormatError
 from multisrt.geometry.numerics.kernel import BoolArray
 
@@ -209,3 +210,40 @@ def _white(levels: NDArray[np.uint32], full: int, opaque: BoolArray | None) -> i
         histogram += np.bincount(line if opaque is None else line[opaque[row]], minlength=full + 1)
     counts = np.cumsum(histogram)
     return int(np.searchsorted(counts, math.ceil(counts[-1] * WHITE_PERCENTILE / 100)))
+
+
+SIGNATURES = (
+    b"\x89PNG\r\n\x1a\n",
+    b"\xff\xd8\xff",
+    b"GIF8",
+    b"II*\0",
+    b"MM\0*",
+    *(b"P%d%c" % (kind, space) for kind in range(1, 7) for space in b" \t\r\n#"),
+)
+"""First bytes of image files; those of BMP, two letters, are not distinctive."""
+
+
+def _is_image(beginning: Beginning) -> bool:
+    raw = beginning.raw
+    # The header of a BMP has four bytes of zero, where text has none.
+    return raw.startswith(SIGNATURES) or (raw.startswith(b"BM") and raw[6:10] == bytes(4))
+
+
+IMAGE = MapFormat(
+    name="image",
+    suffixes=(
+        ".png",
+        ".pgm",
+        ".pbm",
+        ".ppm",
+        ".pnm",
+        ".bmp",
+        ".gif",
+        ".jpg",
+        ".jpeg",
+        ".tif",
+        ".tiff",
+    ),
+    recognises=_is_image,
+    read=read_image,
+)

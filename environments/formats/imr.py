@@ -14,6 +14,7 @@ from multisrt.environments.formats.files import (
     refuse_threshold,
     shown,
 )
+from multisrt.environments.formats.map_format import Beginning, MapFormat
 from multisrt.geometry.errors import MapFormatError
 
 SECTIONS = ("[SCALE]", "[BORDER]", "[OBSTACLE]")
@@ -111,3 +112,15 @@ def _polygon(
             "draw outlines that do not cross themselves"
         )
     return polygon
+
+
+def _is_imr(beginning: Beginning) -> bool:
+    return beginning.first_line in SECTIONS
+
+
+IMR = MapFormat(
+    name="IMR polygons",
+    suffixes=(".txt",),
+    recognises=_is_imr,
+    read=read_imr,
+)

@@ -1,6 +1,7 @@
 """Maps of the ROS map server: a YAML file that describes an image."""
 
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +18,7 @@ from multisrt.environments.formats.files import (
     shown,
 )
 from multisrt.environments.formats.image import Pixels, read_pixels
+from multisrt.environments.formats.map_format import Beginning, MapFormat
 from multisrt.geometry.errors import MapFormatError
 from multisrt.geometry.numerics.kernel import BoolArray, FloatArray
 
@@ -221,3 +223,15 @@ def _finite(path: Path, place: str, value: object) -> float:
     if not math.isfinite(number):
         raise MapFormatError(f"{path}: {place} is {shown(value)}; it is a finite number")
     return number
+
+
+def _is_map_server(beginning: Beginning) -> bool:
+    return re.search(r"^\s*image\s*:", beginning.text, re.MULTILINE) is not None
+
+
+MAP_SERVER = MapFormat(
+    name="ROS map server",
+    suffixes=(".yaml", ".yml"),
+    recognises=_is_map_server,
+    read=read_map_server,
+)

@@ -1,5 +1,6 @@
 """Text grids of the MovingAI benchmarks, with one character per cell."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ from multisrt.environments.formats.files import (
     require_resolution,
     shown,
 )
+from multisrt.environments.formats.map_format import Beginning, MapFormat
 from multisrt.geometry.errors import MapFormatError
 
 FREE = ".GS"
@@ -107,3 +109,15 @@ def _header(path: Path, lines: list[str]) -> tuple[int, int]:
             f"{path} has {width} x {height} cells; grids are read up to {MAX_CELLS:,} cells"
         )
     return height, width
+
+
+def _is_moving_ai(beginning: Beginning) -> bool:
+    return re.match(r"\s*type\s+\w+\s+height\s+\d", beginning.text) is not None
+
+
+MOVING_AI = MapFormat(
+    name="MovingAI grid",
+    suffixes=(".map",),
+    recognises=_is_moving_ai,
+    read=read_moving_ai,
+)

@@ -1,5 +1,6 @@
 """Well-known text as maps: one or several polygons in metres."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ from multisrt.environments.formats.files import (
     refuse_resolution,
     refuse_threshold,
 )
+from multisrt.environments.formats.map_format import Beginning, MapFormat
 from multisrt.geometry.errors import MapFormatError
 
 MAX_DEPTH = 16
@@ -104,3 +106,16 @@ def _require_valid(path: Path, number: int, polygon: Polygon) -> None:
             f"{path}, polygon {number} is not valid: {shapely.is_valid_reason(polygon)}; "
             "draw rings that do not cross"
         )
+
+
+def _is_wkt(beginning: Beginning) -> bool:
+    pattern = r"\s*(POLYGON|MULTIPOLYGON|GEOMETRYCOLLECTION)\s*[Z(]"
+    return re.match(pattern, beginning.text, re.IGNORECASE) is not None
+
+
+WKT = MapFormat(
+    name="well-known text",
+    suffixes=(".wkt",),
+    recognises=_is_wkt,
+    read=read_wkt,
+)

@@ -3,11 +3,13 @@ from pathlib import Path
 
 import pytest
 
-from multisrt.environments.formats import FORMATS, read_environment
+from multisrt.environments.formats import FORMATS, format_of, read_environment
+from multisrt.environments.formats.map_format import beginning_of
 from multisrt.geometry.errors import MapFormatError
 
 MAPS = Path(__file__).resolve().parents[2].parent / "shared" / "maps"
 HAVE_MAPS = MAPS.is_dir()
+SUFFIXES = [suffix for known in FORMATS for suffix in known.suffixes]
 IN_METRES = (".yaml", ".yml", ".geojson", ".json", ".wkt", ".txt")
 
 UNREADABLE = {
@@ -27,7 +29,7 @@ UNREADABLE = {
 
 
 def public_maps():
-    found = (p for p in sorted(MAPS.rglob("*")) if p.suffix.lower() in FORMATS)
+    found = (p for p in sorted(MAPS.rglob("*")) if p.suffix.lower() in SUFFIXES)
     return [path.relative_to(MAPS).as_posix() for path in found]
 
 
@@ -90,14 +92,45 @@ def test_default_threshold_finds_the_free_pixels(name, free_pixels):
     assert read_public(name, 1.0).area_m2 == pytest.approx(free_pixels, rel=2e-3)
 
 
-def test_unknown_suffix_lists_the_readable_ones(tmp_path):
-    path = tmp_path / "map.dxf"
+def test_unknown_content_and_suffix_list_the_readable_ones(tmp_path):
+    path = tmp_path / "map.xyz"
     path.write_text("0")
-    with pytest.raises(MapFormatError, match=r"'\.dxf'; readable are \.yaml, .*\.geojson.*\.wkt"):
+    with pytest.raises(
+        MapFormatError, match=r"suffix '\.xyz'; readable are: ROS map server \(\.yaml"
+    ):
         read_environment(path)
 
 
-@pytest.mark.parametrize("suffix", FORMATS)
+CONTENTS = {
+    "ROS map server": b"\xef\xbb\xbfresolution: 0.1\nimage: room.pgm\n",
+    "image": b"P2\n1 1\n1\n1\n",
+    "GeoJSON": b' {"type": "Polygon", "coordinates": []}',
+    "well-known text": b"\nPolygon ((0 0, 1 0, 1 1, 0 0))",
+    "MovingAI grid": b"type octile\nheight 1\nwidth 1\nmap\n.\n",
+    "IMR polygons": b"\n[SCALE]\n1\n",
+}
+
+
+@pytest.mark.parametrize("name", [known.name for known in FORMATS])
+def test_format_is_known_by_content_whatever_the_suffix(tmp_path, name):
+    path = tmp_path / "world.xyz"
+    path.write_bytes(CONTENTS[name])
+    assert format_of(path).name == name
+    assert sum(known.recognises(beginning_of(path)) for known in FORMATS) == 1
+
+
+@needs_maps
+def test_public_map_is_recognised_by_one_format():
+    strange = {
+        name: names
+        for name in public_maps()
+        if name not in UNREADABLE
+        and len(names := [f.name for f in FORMATS if f.recognises(beginning_of(MAPS / name))]) != 1
+    }
+    assert not strange
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
 def test_missing_folder_and_empty_file_are_named(tmp_path, suffix):
     path = tmp_path / f"world{suffix}"
     with pytest.raises(MapFormatError, match=f"world{suffix} does not exist"):
@@ -111,7 +144,7 @@ def test_missing_folder_and_empty_file_are_named(tmp_path, suffix):
         read_environment(path)
 
 
-@pytest.mark.parametrize("suffix", FORMATS)
+@pytest.mark.parametrize("suffix", SUFFIXES)
 @pytest.mark.parametrize(
     "content",
     [b"\x00", b"\xff\xfe\xfa", b"{", b"[]", b"P5\n", b"\x89PNG\r\n\x1a\n", b"()" * 50, b"a: 1"],

@@ -94,7 +94,7 @@ def summary(name: str, runs: pd.DataFrame) -> tuple[str, ...]:
 
 
 PLAIN = (
-    (r"^(robot \d+|all robots): ", ""),
+    (r"^(robot \d+|all robots|all others): ", ""),
     (r"\d+\.\d+", "some"),
     (r"robots? \d+(, \d+)*( and \d+)?", "others"),
     (r"others, which does", "others, which do"),

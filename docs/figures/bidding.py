@@ -231,7 +231,7 @@ def by_utility() -> str:
     sees = np.array(
         [[a is b or line_of_sight(index, *a, *b) for b in targets.tolist()] for a in targets]
     )
-    found = utility(costs, between, sees, RANGE_M)
+    found = utility(costs, between, sees, 2.0 * RANGE_M)
     sketch = ground("UTILITY: an assigned target lowers the utility of those that it sees", "room")
     _, first, _, _ = found.rounds[0]
     frontiers(sketch, "room")

@@ -33,7 +33,7 @@ PAPERS: Final = MappingProxyType[str, Scalar]({**EQUAL, "lost_after_s": MAX_TIME
 
 STRATEGIES: Final = (
     StrategyChoice(name=CLOSEST, options=dict(EQUAL)),
-    StrategyChoice(name=UTILITY, options=dict(EQUAL)),
+    StrategyChoice(name=UTILITY, options={**EQUAL, "overlap_ranges": 1.0}),
     StrategyChoice(name=SBX_R, options=dict(PAPERS)),
 )
 

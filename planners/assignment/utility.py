@@ -37,7 +37,7 @@ def utility(
     costs: ArrayLike,
     between: ArrayLike,
     visible: ArrayLike,
-    sensor_range_m: float,
+    overlap_m: float,
     beta: float = 1.0,
     worth: ArrayLike | None = None,
 ) -> UtilityAssignment:
@@ -51,8 +51,9 @@ def utility(
         Euclidean distances between targets in metres.
     visible : (m, m) array of bool
         Whether two targets see each other; the diagonal is taken as True.
-    sensor_range_m : float
-        Range R_p of the robots' range finders in metres.
+    overlap_m : float
+        Distance R in metres from which targets take no utility from each other. Burgard et al.
+        take the range of the range finders; areas seen from two targets overlap up to twice that.
     beta : float
         Weight of the cost against the utility.
     worth : (m,) array, optional
@@ -67,13 +68,13 @@ def utility(
     ------
     InvalidInputError
         If a table has the wrong shape, a negative entry or NaN, if a utility is not finite, if the
-        range is not positive, or if `beta` is negative or not finite.
+        distance R is not positive, or if `beta` is negative or not finite.
 
     Notes
     -----
     ``U_t = 1``; until every robot that can reach a target has one: ``(i, t) = argmax(U_t - beta
     V_it)``, then ``U_t' -= P(dist(t, t'))`` for every t', where ``P(d) = 1 - d / R`` for
-    ``d < R = 2 R_p``, else 0, and 0 where the two do not see each other. An assigned target
+    ``d < R``, else 0, and 0 where the two do not see each other. An assigned target
     remains available at a reduced utility, so that there may be more robots than targets. The rule
     needs every cost: V is relative to the largest. Cost: O(n^2 m + n m).
 
@@ -87,7 +88,7 @@ def utility(
 
     >>> costs = [[2.0, 3.0, 9.0], [3.0, 4.0, 10.0]]
     >>> between = [[0.0, 2.0, 30.0], [2.0, 0.0, 30.0], [30.0, 30.0, 0.0]]
-    >>> utility(costs, between, np.ones((3, 3)), 4.0).assignment.tolist()
+    >>> utility(costs, between, np.ones((3, 3)), 8.0).assignment.tolist()
     [0, 2]
     """
     table = cost_table(costs)
@@ -99,8 +100,8 @@ def utility(
             raise InvalidInputError(
                 f"{name} has the shape {shape}; for {targets} targets it must be square"
             )
-    if not 0.0 < sensor_range_m < math.inf:
-        raise InvalidInputError(f"sensor_range_m is {sensor_range_m}; it must be positive")
+    if not 0.0 < overlap_m < math.inf:
+        raise InvalidInputError(f"overlap_m is {overlap_m}; it must be positive")
     if not 0.0 <= beta < math.inf:
         raise InvalidInputError(f"beta is {beta}; it must be 0 or more")
 
@@ -108,7 +109,7 @@ def utility(
     if left.shape != (targets,) or not np.isfinite(left).all():
         raise InvalidInputError(f"worth must have a finite utility for each of {targets} targets")
     share = table / (largest_finite(table) or 1.0)
-    lost = overlap(apart, sees | np.eye(targets, dtype=np.bool_), sensor_range_m)  # P
+    lost = overlap(apart, sees | np.eye(targets, dtype=np.bool_), overlap_m)  # P
     assignment = np.full(robots, UNASSIGNED, np.int64)
     rounds: list[tuple[int, int, float, float]] = []
     waiting: BoolArray = np.count_nonzero(np.isfinite(table), axis=1) > 0
@@ -130,7 +131,7 @@ def utility(
     )
 
 
-def overlap(between: ArrayLike, visible: ArrayLike, sensor_range_m: float) -> FloatArray:
+def overlap(between: ArrayLike, visible: ArrayLike, overlap_m: float) -> FloatArray:
     """Return the utility that targets lose to goals near them (P).
 
     Parameters
@@ -139,8 +140,9 @@ def overlap(between: ArrayLike, visible: ArrayLike, sensor_range_m: float) -> Fl
         Euclidean distances from k goals to the targets in metres.
     visible : (k, m) array of bool
         Whether they see each other.
-    sensor_range_m : float
-        Range R_p of the robots' range finders in metres.
+    overlap_m : float
+        Distance R in metres from which targets take no utility from each other. Burgard et al.
+        take the range of the range finders; areas seen from two targets overlap up to twice that.
 
     Returns
     -------
@@ -148,9 +150,9 @@ def overlap(between: ArrayLike, visible: ArrayLike, sensor_range_m: float) -> Fl
 
     Examples
     --------
-    >>> overlap([[0.0, 2.0, 9.0]], [[True, True, True]], 4.0).tolist()
+    >>> overlap([[0.0, 2.0, 9.0]], [[True, True, True]], 8.0).tolist()
     [[1.0, 0.75, 0.0]]
     """
-    lost: FloatArray = np.maximum(1.0 - np.asarray(between) / (2.0 * sensor_range_m), 0.0)
+    lost: FloatArray = np.maximum(1.0 - np.asarray(between) / overlap_m, 0.0)
     lost[~np.asarray(visible, np.bool_)] = 0.0
     return lost

@@ -12,6 +12,10 @@ IN_THE_WAY = "others, which do not answer, stand in the way to some m of frontie
         ("robot 0: boxed in by robot 2, which does not give way", BOXED_IN),
         ("all robots: boxed in by robots 0, 1 and 12, which do not give way", BOXED_IN),
         (
+            "all others: boxed in by robot 2, which does not give way; robot 2 died",
+            f"{BOXED_IN}; others died",
+        ),
+        (
             "robot 2: robot 1, which does not answer, stands in the way to 1.5 m of frontier",
             IN_THE_WAY,
         ),

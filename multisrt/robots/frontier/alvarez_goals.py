@@ -18,6 +18,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import product
 from typing import NamedTuple
 
@@ -44,7 +45,7 @@ SAMPLES = 4
 """Number of points sampled on a line for each cell that it crosses."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Survey:
     """The map of one robot as the rules see it.
 
@@ -54,28 +55,63 @@ class Survey:
         Where the first row and column of the raster's cells lie in the lattice.
     unknown, traversable : (rows, columns) array of bool
         Which cells of the raster are unknown, and which ones A* may pass.
-    reachable : (rows, columns) array of bool
-        Which of these can be reached from where the robot stands.
     start : (row, column) or None
         The cell at which its paths begin; None if none is passable near the robot.
-    centres : (n, m, 2) array
-        Centres of the cells of the search in metres.
-    unexplored, obstacle : (n, m) array of bool
-        Which of these are unexplored, and which are obstacles, by the raster's cell at the centre.
-    diagonal_m : float
-        Diagonal of the map in metres.
+    xs, ys : (m,) and (n,) arrays
+        Centres of the columns and rows of the cells of the search in metres.
+    at : tuple of arrays
+        Indices of the raster's cells at the centres of the cells of the search, (n, m).
+    inaccessible : tuple of (row, column)
+        Cells of the search that all robots found inaccessible.
+    width_m : float
+        Width of a cell of the search.
     """
 
     row: int
     column: int
     unknown: BoolArray
     traversable: BoolArray
-    reachable: BoolArray
     start: Cell | None
-    centres: FloatArray
-    unexplored: BoolArray
-    obstacle: BoolArray
-    diagonal_m: float
+    xs: FloatArray
+    ys: FloatArray
+    at: tuple[IntArray, ...]
+    inaccessible: tuple[Cell, ...]
+    width_m: float
+
+    @cached_property
+    def reachable(self) -> BoolArray:
+        """Which of the raster's cells can be reached from where the robot stands."""
+        if self.start is None:
+            return np.zeros(self.traversable.shape, np.bool_)
+        return reachable(self.traversable, *self.start)
+
+    @cached_property
+    def unexplored(self) -> BoolArray:
+        """Which cells of the search are unexplored, by the raster's cell at the centre, (n, m)."""
+        unexplored: BoolArray = self.unknown[self.at]
+        for cell in self.inaccessible:
+            unexplored[cell] = False
+        return unexplored
+
+    @cached_property
+    def obstacle(self) -> BoolArray:
+        """Which cells of the search are obstacles, (n, m)."""
+        unknown = self.unknown[self.at]
+        obstacle: BoolArray = ~unknown & ~self.traversable[self.at]
+        for cell in self.inaccessible:
+            obstacle[cell] |= unknown[cell]
+        return obstacle
+
+    @cached_property
+    def centres(self) -> FloatArray:
+        """Centres of the cells of the search in metres, (n, m, 2)."""
+        return np.stack(np.meshgrid(self.xs, self.ys), axis=-1)
+
+    @property
+    def diagonal_m(self) -> float:
+        """Diagonal of the map in metres."""
+        xs, ys, width = self.xs, self.ys, self.width_m
+        return math.hypot(xs[-1] - xs[0] + width, ys[-1] - ys[0] + width)
 
     def index_of(self, raster: Occupancy, place: Place) -> Cell | None:
         """Return the indices of the raster's cell of a place; None if it is outside the arrays."""
@@ -133,35 +169,24 @@ def take_survey(
     traversable |= unknown & ~_closed(robot, tried, (row, column), shape)
 
     start = robot.path_finder.first_cell()
-    reached = np.zeros(shape, np.bool_)
-    if start is not None:
-        start = start[0] - row, start[1] - column
-        reached = reachable(traversable, *start)
-
     x0, y0 = raster.centre_of(row + pad, column + pad)
     x1, y1 = raster.centre_of(row + shape[0] - pad - 1, column + shape[1] - pad - 1)
     xs, ys = _middles(x0 - width, x1 + width, width), _middles(y0 - width, y1 + width, width)
-    at = np.ix_(
-        raster.cells_of(np.column_stack([np.zeros(len(ys)), ys]))[:, 0] - row,
-        raster.cells_of(np.column_stack([xs, np.zeros(len(xs))]))[:, 1] - column,
-    )
-    unexplored = unknown[at]
-    obstacle = ~unexplored & ~traversable[at]
-    for x, y in inaccessible:
-        r, c = round((y - ys[0]) / width), round((x - xs[0]) / width)
-        if 0 <= r < len(ys) and 0 <= c < len(xs) and unexplored[r, c]:
-            unexplored[r, c], obstacle[r, c] = False, True
+    places = [(round((y - ys[0]) / width), round((x - xs[0]) / width)) for x, y in inaccessible]
     return Survey(
         row=row,
         column=column,
         unknown=unknown,
         traversable=traversable,
-        reachable=reached,
-        start=start,
-        centres=np.stack(np.meshgrid(xs, ys), axis=-1),
-        unexplored=unexplored,
-        obstacle=obstacle,
-        diagonal_m=math.hypot(xs[-1] - xs[0] + width, ys[-1] - ys[0] + width),
+        start=None if start is None else (start[0] - row, start[1] - column),
+        xs=xs,
+        ys=ys,
+        at=np.ix_(
+            raster.cells_of(np.column_stack([np.zeros(len(ys)), ys]))[:, 0] - row,
+            raster.cells_of(np.column_stack([xs, np.zeros(len(xs))]))[:, 1] - column,
+        ),
+        inaccessible=tuple((r, c) for r, c in places if 0 <= r < len(ys) and 0 <= c < len(xs)),
+        width_m=width,
     )
 
 

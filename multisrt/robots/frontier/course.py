@@ -6,7 +6,8 @@ import math
 
 from multisrt.geometry.configuration import Configuration
 from multisrt.planners.motion.trajectory import Trajectory
-from multisrt.robots.frontier.goal import Goal, Place
+from multisrt.planners.navigation.path_following import ahead
+from multisrt.robots.frontier.goal import Goal, Place, length_of
 
 
 class Course:
@@ -87,10 +88,5 @@ class Course:
         return self.motion.at(self.time_s - self.set_out_s)
 
     def remaining_m(self) -> float:
-        """Return the length of the path to the goal less that of the motion so far; 0 at least."""
-        if self.goal is None:
-            return 0.0
-        driven_m = 0.0
-        if self.motion is not None:
-            driven_m = self.motion.until(self.time_s - self.set_out_s).length_m
-        return max(0.0, self.goal.cost_m - driven_m)
+        """Return the length of the path to the goal from where the robot is; 0 without a goal."""
+        return 0.0 if self.goal is None else length_of(ahead(self.goal.path, self.now_at()))

@@ -54,6 +54,9 @@ class FrontierOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
     relay_for_s : float
         Where the radio relays no messages, robots pass on the reports of others, if these have
         been heard from for at most this long, in seconds.
+    answers : {"own", "known"}
+        Whether a robot that is asked where it goes answers for itself alone, or also passes on what
+        it knows of all others that it takes into account (SBX-R, Algorithm 3).
     body_stays_s : float
         For about this long (half of it to one and a half times), in seconds, the body of a robot
         that answers but does not leave counts as an obstacle.
@@ -105,6 +108,7 @@ class FrontierOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
     report_period_s: float = 2.0
     lost_after_s: float = 15.0
     relay_for_s: float = 15.0
+    answers: Literal["own", "known"] = "own"
     body_stays_s: float = 15.0
     guard_m: float = 0.1
     ask_period_s: float = 0.5
@@ -196,14 +200,19 @@ class UtilityOptions(BiddingOptions, frozen=True, kw_only=True, forbid_unknown_f
         As above; in the paper a robot asks for a goal when it needs one.
     beta : float
         Weight of the path length against the utility (Burgard et al.: beta).
+    overlap_ranges : float
+        Distance from which frontiers take no utility from each other, in ranges of the range finder
+        (Burgard et al.: 1). Areas seen from two places overlap up to 2.
     """
 
     replan: Literal["news", "target", "arrival"] = "target"
     beta: float = 1.0
+    overlap_ranges: float = 2.0
 
     def __post_init__(self) -> None:
         super().__post_init__()
         self.require("beta", 0.0 <= self.beta < math.inf, "0 or more")
+        self.require("overlap_ranges", 0.0 < self.overlap_ranges < math.inf, "positive")
 
 
 class SelfBiddingOptions(BiddingOptions, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -217,6 +226,8 @@ class SelfBiddingOptions(BiddingOptions, frozen=True, kw_only=True, forbid_unkno
         As above; in the paper a robot is left out only when it is broken. Silence does not tell
         whether a robot is broken or out of range, so the default is longer than robots usually
         stay apart: with 15 s those that part are no longer bound to each other.
+    answers : {"known", "own"}
+        As above.
     stop_signals : bool
         Whether robots send stop signals.
     reached : {"cell", "sight"}
@@ -235,6 +246,7 @@ class SelfBiddingOptions(BiddingOptions, frozen=True, kw_only=True, forbid_unkno
     reached: Literal["cell", "sight"] = "sight"
     paths: Literal["march", "eedt"] = "eedt"
     lost_after_s: float = 600.0
+    answers: Literal["own", "known"] = "known"
     stop_signals: bool = True
     phi_factor: float = 0.9
     phi_step: float = 0.5

@@ -148,6 +148,7 @@ class Team(Listener):
         self.assignments = Assignments(me.robot, self.period_s)
         self.answer: Callable[[int], Steps] | None = None
         self.stops = StopSignals()
+        self._answers = options.answers
         self._me = me
         self._course = course
         self._map = map
@@ -182,7 +183,12 @@ class Team(Listener):
         )
 
     def report(
-        self, *, asks: bool = False, wants_goal: bool = False, to: int | None = None
+        self,
+        *,
+        asks: bool = False,
+        wants_goal: bool = False,
+        to: int | None = None,
+        answers: bool = False,
     ) -> Steps:
         """Send a report.
 
@@ -194,6 +200,8 @@ class Team(Listener):
             Whether to ask the leader for a goal.
         to : int or None
             The robot that it is for. None: all; the report then carries the new nodes.
+        answers : bool
+            Whether it answers a question for reports.
         """
         self._reports_made += 1
         entries: tuple[Node, ...] = ()
@@ -206,7 +214,7 @@ class Team(Listener):
         yield Send(
             ReportMessage(
                 sender=self.number,
-                reports=(self.own_report(), *self._relayed()),
+                reports=(self.own_report(), *self._passed_on(answers)),
                 asks=asks,
                 wants_goal=wants_goal,
                 entries=entries,
@@ -227,8 +235,11 @@ class Team(Listener):
     def _merge(self, entries: tuple[Entry, ...]) -> tuple[NodeId, ...]:
         return self._map.merge(entries)
 
-    def _relayed(self) -> tuple[RobotReport, ...]:
-        """Return the reports of others to pass on: all, where no radio relays messages."""
+    def _passed_on(self, answers: bool) -> tuple[RobotReport, ...]:
+        """Return the reports of others to pass on with an answer or another report."""
+        if answers and self._answers == "known":
+            return tuple(self.present())
+        # Where a radio relays messages, or reaches all, who is in contact hears the others anyway.
         radio = self._me.radio
         if radio.multi_hop or radio.reaches_all:
             return ()
@@ -267,7 +278,7 @@ class Team(Listener):
             yield from self.answer(message.sender)
         own = message.reports[0]
         if message.asks or self._owes_report(own):
-            yield from self.report(to=message.sender)
+            yield from self.report(to=message.sender, answers=message.asks)
         if own.have != self._entries.counts():
             yield from self._ask_for_missing(own.robot, own.have)
 

@@ -140,13 +140,14 @@ def assign(
     """
     options, robots = cast(UtilityOptions, robot.options), sorted(costs)
     goals = _kept_goals(robot, set(robots))
-    lost = overlap(apart(goals, targets), in_view(robot, goals, targets), robot.me.range_m)
+    overlap_m = options.overlap_ranges * robot.me.range_m
+    lost = overlap(apart(goals, targets), in_view(robot, goals, targets), overlap_m)
     alone = len(robots) == 1
     given = utility(
         np.array([costs[number] for number in robots]),
         apart(targets, targets),
         np.eye(len(targets), dtype=np.bool_) if alone else in_view(robot, targets, targets),
-        robot.me.range_m,
+        overlap_m,
         options.beta,
         worth=1.0 - lost.sum(axis=0),
     )

@@ -12,7 +12,7 @@ from multisrt.planners.assignment.utility import overlap, utility
 INF = np.inf
 
 
-def naive(costs, between, visible, sensor_range_m, beta):
+def naive(costs, between, visible, overlap_m, beta):
     # The equations with loops; of equal values the nearer, then the lower robot and target.
     robots, targets = len(costs), len(costs[0])
     finite = [cost for row in costs for cost in row if cost < INF]
@@ -32,8 +32,8 @@ def naive(costs, between, visible, sensor_range_m, beta):
         for other in range(targets):
             if other == t or visible[t][other]:
                 distance = between[t][other]
-                if distance < 2.0 * sensor_range_m:
-                    worth[other] -= 1.0 - distance / (2.0 * sensor_range_m)
+                if distance < overlap_m:
+                    worth[other] -= 1.0 - distance / overlap_m
     return got
 
 
@@ -57,7 +57,7 @@ def test_a_target_in_sight_of_an_assigned_one_loses_utility():
     # U_1 = 1 - (1 - 2 / 8) = 0.25. For robot 1: 0 - 0.3, 0.25 - 0.4 and 1 - 1.0: target 2.
     costs = [[2.0, 3.0, 9.0], [3.0, 4.0, 10.0]]
     between = [[0.0, 2.0, 30.0], [2.0, 0.0, 30.0], [30.0, 30.0, 0.0]]
-    given_ = utility(costs, between, np.ones((3, 3), bool), 4.0)
+    given_ = utility(costs, between, np.ones((3, 3), bool), 8.0)
     assert given_.assignment.tolist() == [0, 2]
     assert given_.rounds == ((0, 0, 1.0, 0.2), (1, 2, 1.0, 1.0))
 
@@ -66,7 +66,7 @@ def test_a_target_behind_a_wall_keeps_its_utility():
     # As above, but 0 and 1 do not see each other: robot 1 gets 1 - 0.4 for target 1.
     costs = [[2.0, 3.0, 9.0], [3.0, 4.0, 10.0]]
     between = [[0.0, 2.0, 30.0], [2.0, 0.0, 30.0], [30.0, 30.0, 0.0]]
-    given_ = utility(costs, between, np.zeros((3, 3), bool), 4.0)
+    given_ = utility(costs, between, np.zeros((3, 3), bool), 8.0)
     assert given_.assignment.tolist() == [0, 1]
     assert given_.rounds == ((0, 0, 1.0, 0.2), (1, 1, 1.0, 0.4))
 
@@ -76,28 +76,28 @@ def test_more_robots_than_targets():
     # then U_0 = 0; robots 1 to 3 have 0 for target 1 (U 1, V 1) and -0.5 at best for target 0:
     # robot 1 takes 1. Then U = (0, 0): robot 2 takes 0 at -0.75, U_0 = -1, robot 3 takes 1.
     costs = [[1.0, 4.0], [2.0, 4.0], [3.0, 4.0], [4.0, 4.0]]
-    given_ = utility(costs, [[0.0, 90.0], [90.0, 0.0]], np.ones((2, 2), bool), 4.0)
+    given_ = utility(costs, [[0.0, 90.0], [90.0, 0.0]], np.ones((2, 2), bool), 8.0)
     assert given_.assignment.tolist() == [0, 1, 0, 1]
     assert [worth for _, _, worth, _ in given_.rounds] == [1.0, 1.0, 0.0, 0.0]
 
 
 def test_of_equal_values_the_nearer_target_is_taken():
     # beta = 0: every target has value 1 for every robot.
-    given_ = utility([[5.0, 3.0, INF]], np.zeros((3, 3)), np.ones((3, 3), bool), 4.0, beta=0.0)
+    given_ = utility([[5.0, 3.0, INF]], np.zeros((3, 3)), np.ones((3, 3), bool), 8.0, beta=0.0)
     assert given_.assignment.tolist() == [1]
 
 
 def test_robots_that_reach_no_target_get_none():
-    given_ = utility([[INF], [2.0]], [[0.0]], [[True]], 4.0)
+    given_ = utility([[INF], [2.0]], [[0.0]], [[True]], 8.0)
     assert given_.assignment.tolist() == [-1, 0]
-    assert utility(np.empty((2, 0)), np.empty((0, 0)), np.empty((0, 0)), 4.0).rounds == ()
+    assert utility(np.empty((2, 0)), np.empty((0, 0)), np.empty((0, 0)), 8.0).rounds == ()
 
 
 @given(situations(), st.sampled_from([0.0, 0.5, 1.0, 3.0]))
 def test_assignment_follows_the_equations(situation, beta):
     costs, between, visible = situation
-    given_ = utility(costs, between, visible, 4.0, beta)
-    expected = naive(costs.tolist(), between.tolist(), visible.tolist(), 4.0, beta)
+    given_ = utility(costs, between, visible, 8.0, beta)
+    expected = naive(costs.tolist(), between.tolist(), visible.tolist(), 8.0, beta)
     assert given_.assignment.tolist() == expected
 
 
@@ -111,8 +111,8 @@ def test_order_of_robots_and_targets_does_not_matter(situation, random):
     random.shuffle(rows)
     random.shuffle(columns)
     both = np.ix_(columns, columns)
-    straight = utility(costs, between, visible, 4.0).assignment
-    shuffled = utility(costs[np.ix_(rows, columns)], between[both], visible[both], 4.0).assignment
+    straight = utility(costs, between, visible, 8.0).assignment
+    shuffled = utility(costs[np.ix_(rows, columns)], between[both], visible[both], 8.0).assignment
     assert [columns[t] if t >= 0 else -1 for t in shuffled] == straight[rows].tolist()
 
 
@@ -121,23 +121,23 @@ def test_order_of_robots_and_targets_does_not_matter(situation, random):
     [
         ({"between": [[0.0, 1.0]]}, r"between has the shape \(1, 2\); for 1 targets"),
         ({"visible": np.ones((2, 2), bool)}, "visible has the shape"),
-        ({"sensor_range_m": 0.0}, "sensor_range_m is 0.0; it must be positive"),
+        ({"overlap_m": 0.0}, "overlap_m is 0.0; it must be positive"),
         ({"beta": -1.0}, "beta is -1.0; it must be 0 or more"),
         ({"worth": [1.0, 1.0]}, "worth must have a finite utility for each of 1 targets"),
         ({"worth": [math.nan]}, "worth must have a finite utility"),
     ],
 )
 def test_invalid_input_is_rejected(change, message):
-    good = {"costs": [[1.0]], "between": [[0.0]], "visible": [[True]], "sensor_range_m": 4.0}
+    good = {"costs": [[1.0]], "between": [[0.0]], "visible": [[True]], "overlap_m": 8.0}
     with pytest.raises(InvalidInputError, match=message):
         utility(**(good | change))
 
 
 def test_goals_that_others_keep_lower_the_utility():
     costs, between, visible = [[2.0, 3.0]], np.zeros((2, 2)), np.ones((2, 2), bool)
-    assert utility(costs, between, visible, 4.0).assignment.tolist() == [0]
-    lost = overlap([[0.0, 6.0]], [[True, True]], 4.0).sum(axis=0)
+    assert utility(costs, between, visible, 8.0).assignment.tolist() == [0]
+    lost = overlap([[0.0, 6.0]], [[True, True]], 8.0).sum(axis=0)
     assert lost.tolist() == [1.0, 0.25]
-    given = utility(costs, between, visible, 4.0, worth=1.0 - lost)
+    given = utility(costs, between, visible, 8.0, worth=1.0 - lost)
     assert given.assignment.tolist() == [1]
     assert given.rounds == ((0, 1, 0.75, 1.0),)

@@ -343,6 +343,26 @@ def test_a_stop_signal_counts_for_the_present_goal_only(acts_of):
     assert not mapped.team.requests.any_pending
 
 
+# Answers -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("options", "told"), [(SelfBiddingOptions(), [0, 1, 2]), (BiddingOptions(), [0])]
+)
+def test_who_is_asked_passes_on_what_it_knows_by_self_bidding_alone(acts_of, options, told):
+    robot = robot_at([(3, 7), (6, 9)], [(8, 10), (20, 3)], options)
+    asked = ReportMessage(sender=1, reports=(report_of(1, (8, 10), (9.0, 9.0)),), asks=True)
+    (answer,) = [
+        act
+        for act in acts_of(robot.team._take_message(asked))[0]
+        if isinstance(act.message, ReportMessage)
+    ]
+    assert answer.to == 1
+    assert [report.robot for report in answer.message.reports] == told
+    unasked = acts_of(robot.team.report())[0]
+    assert [report.robot for report in unasked[0].message.reports] == [0]
+
+
 # Leaders ---------------------------------------------------------------------------------------
 
 

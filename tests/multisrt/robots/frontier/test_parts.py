@@ -59,6 +59,12 @@ def test_a_course_follows_the_motion_in_progress():
     assert course.remaining_m() == pytest.approx(3.5)
     course.arrive(Configuration(2.0, 0.0, 0.0), 14.0)
     assert course.now_at() == (2.0, 0.0, 0.0)
+    assert course.remaining_m() == pytest.approx(2.0)
+    course.set_out(Trajectory((Waypoint(0.0, 2.0, 0.0, 0.0), Waypoint(1.0, 2.0, 0.5, 0.0))))
+    course.time_s = 15.0
+    assert course.remaining_m() == pytest.approx(2.0)
+    course.arrive(Configuration(3.5, 0.5, 0.0), 18.0)
+    assert course.remaining_m() == pytest.approx(0.5)
 
 
 # Map -------------------------------------------------------------------------------------------

@@ -6,6 +6,7 @@ from typing import Final
 
 import shapely
 from shapely import Polygon
+from shapely.geometry.base import BaseGeometry
 
 from multisrt.environments.environment import MAX_COORDINATE_M, Environment
 from multisrt.environments.formats.files import (
@@ -64,7 +65,9 @@ def read_house_expo(
         raise MapFormatError(
             f"{path} has no verts; a floor plan of HouseExpo has a list of at least three [x, y]"
         )
-    outline = Polygon([_vertex(path, number, at) for number, at in enumerate(vertices, start=1)])
+    outline: BaseGeometry = Polygon(
+        [_vertex(path, number, at) for number, at in enumerate(vertices, start=1)]
+    )
     if not outline.is_valid:
         outline = shapely.make_valid(outline, method="linework")
     house = plan.get("id")
@@ -85,8 +88,9 @@ def _vertex(path: Path, number: int, vertex: object) -> tuple[float, float]:
 
 
 def _is_coordinate(value: object) -> bool:
-    is_number = isinstance(value, int | float) and not isinstance(value, bool)
-    return is_number and abs(value) <= MAX_COORDINATE_M  # type: ignore[operator]
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return False
+    return abs(value) <= MAX_COORDINATE_M
 
 
 def _is_house_expo(beginning: Beginning) -> bool:

@@ -176,7 +176,9 @@ def _row(path: Path, number: int, text: str) -> list[float]:
     except ValueError:
         row = []
     if not row or not all(math.isfinite(value) for value in row):
-        raise MapFormatError(f"{path}, line {number} is {shown(text)}; it is made of finite numbers")
+        raise MapFormatError(
+            f"{path}, line {number} is {shown(text)}; it is made of finite numbers"
+        )
     return row
 
 

@@ -119,7 +119,11 @@ def read_stage(
     if not world.floorplans:
         raise MapFormatError(
             f"{path} has no model with a bitmap, so there is no floorplan"
-            + (f"; is it in {', '.join(parsed.missing)}, which is missing?" if parsed.missing else "")
+            + (
+                f"; is it in {', '.join(parsed.missing)}, which is missing?"
+                if parsed.missing
+                else ""
+            )
         )
     free = world.free()
     shapely.prepare(free)
@@ -276,10 +280,11 @@ class _World:
             (one,) = self.floorplans
             free = one.pose.place(one.free)
             return free - shapely.union_all(self.obstacles) if self.obstacles else free
-        free = shapely.union_all([plan.pose.place(plan.free) for plan in self.floorplans], SNAP_M)
+        placed = [plan.pose.place(plan.free) for plan in self.floorplans]
+        free = shapely.union_all(placed, grid_size=SNAP_M)
         walls = [plan.pose.place(plan.ground - plan.free) for plan in self.floorplans]
-        solid = shapely.union_all([*walls, *self.obstacles], SNAP_M)
-        return shapely.difference(free, solid, SNAP_M)
+        solid = shapely.union_all([*walls, *self.obstacles], grid_size=SNAP_M)
+        return shapely.difference(free, solid, grid_size=SNAP_M)
 
     def _add_model(self, entity: Entity, pose: _Pose) -> None:
         if not _is_solid(entity):
@@ -303,7 +308,7 @@ class _World:
             self.obstacles.append(pose.place(shape))
 
     def _count(self, shape: BaseGeometry) -> None:
-        self.corners += shapely.get_num_coordinates(shape)
+        self.corners += int(shapely.get_num_coordinates(shape))
         if self.corners > MAX_CORNERS:
             raise MapFormatError(
                 f"{self.path}: its models have more than {MAX_CORNERS:,} corners together; "

@@ -57,9 +57,7 @@ def marked_starts(
     ((3.25, 1.75),)
     """
     found = [
-        mark
-        for value in _few_values(levels)
-        if (mark := _mark(levels, free, value)) is not None
+        mark for value in _few_values(levels) if (mark := _mark(levels, free, value)) is not None
     ]
     if len(found) != 1:
         return ()
@@ -77,15 +75,13 @@ def _few_values(levels: NDArray[np.uint32]) -> list[int]:
     return sorted(values)
 
 
-def _mark(
-    levels: NDArray[np.uint32], free: BoolArray, value: int
-) -> tuple[float, float] | None:
+def _mark(levels: NDArray[np.uint32], free: BoolArray, value: int) -> tuple[float, float] | None:
     # Column and row of the middle, from the upper left corner, of the mark with a level.
     mask = levels == value
     rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
     top, left, side = int(rows[0]), int(columns[0]), len(rows)
     bottom, right = top + side, left + side
-    if not MIN_SIDE <= side or side**2 > MAX_SHARE * levels.size:
+    if not side >= MIN_SIDE or side**2 > MAX_SHARE * levels.size:
         return None
     if rows[-1] != bottom - 1 or len(columns) != side or columns[-1] != right - 1:
         return None

@@ -368,9 +368,7 @@ class _Expansion:
             self._fill(entity, part.items, depth)
         return entity
 
-    def _fill(
-        self, entity: Entity, items: list[tuple[str, Property] | _Block], depth: int
-    ) -> None:
+    def _fill(self, entity: Entity, items: list[tuple[str, Property] | _Block], depth: int) -> None:
         self._items += len(items)
         if self._items > MAX_ITEMS:
             raise MapFormatError(

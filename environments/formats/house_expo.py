@@ -56,6 +56,14 @@ def read_house_expo(
     -----
     Source: T. Li et al., HouseExpo: A Large-scale 2D Indoor Layout Dataset for Learning-based
     Algorithms on Mobile Robots, IROS 2020, and its README.
+
+    Examples
+    --------
+    >>> with open("plan.json", "w") as file:
+    ...     _ = file.write('{"verts": [[0, 0], [5.2, 0], [5.2, 3.5], [0, 3.5]], "id": "flat"}')
+    >>> flat = read_house_expo(Path("plan.json"))
+    >>> flat.name, round(flat.area_m2, 6)
+    ('flat', 18.2)
     """
     refuse_resolution(path, resolution_m)
     refuse_threshold(path, threshold)

@@ -36,7 +36,7 @@ def read_moving_ai_scenario(
     threshold: float | None = None,
     name: str | None = None,
 ) -> Environment:
-    """Read a ``.scen`` file: the grid map that it names, with its starts as suggested ones.
+    r"""Read a ``.scen`` file: the grid map that it names, with its starts as suggested ones.
 
     The starts are the centres of the cells in which the problems of the scenario start, in its
     order, each once, at most a thousand. Goals are not used.
@@ -66,6 +66,15 @@ def read_moving_ai_scenario(
     formats of the benchmarks. Where the width and height of a line are not those of the map, its
     positions count in a grid of that size over the map, and a start is the cell of the map in
     which the centre of its cell lies.
+
+    Examples
+    --------
+    >>> with open("room.map", "w") as file:
+    ...     _ = file.write("\n".join(["type octile", "height 2", "width 3", "map", "..@", "..."]))
+    >>> with open("room.scen", "w") as file:
+    ...     _ = file.write("version 1\n0 room.map 3 2 0 1 1 0 1.41421")
+    >>> read_moving_ai_scenario(Path("room.scen"), resolution_m=0.5).starts
+    ((0.25, 0.25),)
     """
     refuse_threshold(path, threshold)
     resolution_m = require_resolution(path, resolution_m)

@@ -51,7 +51,7 @@ class TeamMember:
 
 
 def read_team(path: Path) -> tuple[TeamMember, ...]:
-    """Return the robots of a team file, in its order, without base stations.
+    r"""Return the robots of a team file, in its order, without base stations.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ def read_team(path: Path) -> tuple[TeamMember, ...]:
     --------
     >>> with open("team.txt", "w") as file:
     ...     _ = file.write("1 Base 9 9 0.0 0 200 1000 BaseStation 1 1")
-    ...     _ = file.write(chr(10) + "2 A 5 8 3.14 200 200 1000 Explorer 1 1")
+    ...     _ = file.write("\n2 A 5 8 3.14 200 200 1000 Explorer 1 1")
     >>> [(robot.name, robot.column, robot.row) for robot in read_team(Path("team.txt"))]
     [('A', 5, 8)]
     """

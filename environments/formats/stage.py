@@ -110,6 +110,21 @@ def read_stage(
     Differs in: heights are ignored, so that a model is an obstacle however high or low it is;
     what is outside all floorplans is not free; ``pose`` and ``size`` may also lack z, as in Stage
     2 (x, y, heading and x, y); an unknown unit is an error.
+
+    Examples
+    --------
+    >>> from PIL import Image
+    >>> walls = Image.new("L", (40, 30), color=0)
+    >>> walls.paste(255, (4, 3, 36, 27))
+    >>> walls.save("walls.png")
+    >>> with open("hall.world", "w") as file:
+    ...     _ = file.write(
+    ...         'model ( bitmap "walls.png" size [10 10 1] pose [5 5 0 90] )'
+    ...         "position ( pose [3 4 0 0] )"
+    ...     )
+    >>> hall = read_stage(Path("hall.world"))
+    >>> hall.bounds, hall.starts
+    ((1.0, 1.0, 9.0, 9.0), ((3.0, 4.0),))
     """
     refuse_resolution(path, resolution_m)
     refuse_threshold(path, threshold)

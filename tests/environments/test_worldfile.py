@@ -83,8 +83,8 @@ def test_includes_are_read_where_they_stand(parse):
         one='b 2 include "two.inc"',
         two="d ( )",
     )
-    d = ("d", {}, [])
-    assert tree(found.root) == ("", {}, [("a", {"b": (2.0,), "c": (3.0,)}, [d]), d])
+    outer = ("a", {"b": (2.0,), "c": (3.0,)}, [("d", {}, [])])
+    assert tree(found.root) == ("", {}, [outer, ("d", {}, [])])
     assert found.missing == ("none.inc",)
     inner = found.root.children[0].children[0]
     assert inner.place.endswith("two.inc, line 1")

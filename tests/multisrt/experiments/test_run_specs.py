@@ -80,7 +80,8 @@ def test_a_team_file_is_relative_to_the_experiment_file(tmp_path):
     hall = {"name": "maps/hall.png", "resolution_m": 0.1, "starts_from": "maps/team.txt"}
     (run,) = runs(experiment(environments=[hall], robots=[1]), tmp_path)
     assert isinstance(run.spec.environment, InlineEnvironment)
-    assert run.spec.environment.starts == ((pytest.approx(0.95), pytest.approx(2.05)),)
+    (start,) = run.spec.environment.starts
+    assert start == pytest.approx((0.95, 2.05))
     with pytest.raises(MapFormatError, match=r"none\.txt does not exist"):
         runs(experiment(environments=[hall | {"starts_from": "none.txt"}]), tmp_path)
 

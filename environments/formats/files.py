@@ -41,6 +41,8 @@ def require_file(path: Path) -> int:
         if not path.is_file():
             raise MapFormatError(f"{path} is not a regular file; copy the map into one")
         size = path.stat().st_size
+    except MapFormatError:
+        raise
     except (OSError, ValueError) as error:
         raise MapFormatError(f"{path} cannot be opened: {error}") from error
     if size == 0:

@@ -83,11 +83,10 @@ def test_includes_are_read_where_they_stand(parse):
         one='b 2 include "two.inc"',
         two="d ( )",
     )
-    outer = ("a", {"b": (2.0,), "c": (3.0,)}, [("d", {}, [])])
-    assert tree(found.root) == ("", {}, [outer, ("d", {}, [])])
+    inner: tuple = ("d", {}, [])
+    assert tree(found.root) == ("", {}, [("a", {"b": (2.0,), "c": (3.0,)}, [inner]), inner])
     assert found.missing == ("none.inc",)
-    inner = found.root.children[0].children[0]
-    assert inner.place.endswith("two.inc, line 1")
+    assert found.root.children[0].children[0].place.endswith("two.inc, line 1")
 
 
 @pytest.mark.parametrize(

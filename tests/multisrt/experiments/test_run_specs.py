@@ -11,7 +11,7 @@ from multisrt.environments.environment import Environment
 from multisrt.experiments import run_specs
 from multisrt.experiments.crossing import key_of, runs
 from multisrt.experiments.spec import ExperimentSpec
-from multisrt.geometry.errors import MapFormatError
+from multisrt.geometry.errors import InvalidInputError
 from multisrt.simulation.starts import starts_of
 from multisrt.simulation.worlds import build_environment
 from multisrt.spec import CatalogEnvironment, EnvironmentSpec, FileEnvironment, InlineEnvironment
@@ -82,7 +82,7 @@ def test_a_team_file_is_relative_to_the_experiment_file(tmp_path):
     assert isinstance(run.spec.environment, InlineEnvironment)
     (start,) = run.spec.environment.starts
     assert start == pytest.approx((0.95, 2.05))
-    with pytest.raises(MapFormatError, match=r"none\.txt does not exist"):
+    with pytest.raises(InvalidInputError, match=r"none\.txt does not exist"):
         runs(experiment(environments=[hall | {"starts_from": "none.txt"}]), tmp_path)
 
 

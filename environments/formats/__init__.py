@@ -4,12 +4,20 @@ from pathlib import Path
 from typing import Final
 
 from multisrt.environments.environment import Environment
+from multisrt.environments.formats.files import require_resolution
 from multisrt.environments.formats.geojson import GEOJSON, read_geojson
+from multisrt.environments.formats.house_expo import HOUSE_EXPO, read_house_expo
 from multisrt.environments.formats.image import IMAGE, read_image
 from multisrt.environments.formats.imr import IMR, read_imr
 from multisrt.environments.formats.map_format import Beginning, MapFormat, Reader, beginning_of
 from multisrt.environments.formats.map_server import MAP_SERVER, read_map_server
 from multisrt.environments.formats.moving_ai import MOVING_AI, read_moving_ai
+from multisrt.environments.formats.moving_ai_scenario import (
+    MOVING_AI_SCENARIO,
+    read_moving_ai_scenario,
+)
+from multisrt.environments.formats.mresim import is_team, refuse_team_alone, with_team
+from multisrt.environments.formats.stage import STAGE, read_stage
 from multisrt.environments.formats.wkt import WKT, read_wkt
 from multisrt.geometry.errors import MapFormatError
 
@@ -21,10 +29,13 @@ __all__ = [
     "format_of",
     "read_environment",
     "read_geojson",
+    "read_house_expo",
     "read_image",
     "read_imr",
     "read_map_server",
     "read_moving_ai",
+    "read_moving_ai_scenario",
+    "read_stage",
     "read_wkt",
 ]
 
@@ -33,8 +44,11 @@ FORMATS: Final[tuple[MapFormat, ...]] = (
     IMAGE,
     GEOJSON,
     WKT,
+    STAGE,
     MOVING_AI,
+    MOVING_AI_SCENARIO,
     IMR,
+    HOUSE_EXPO,
 )
 """The formats that are read."""
 
@@ -62,6 +76,8 @@ def format_of(path: Path) -> MapFormat:
     for known in FORMATS:
         if known.recognises(beginning):
             return known
+    if is_team(beginning):
+        raise refuse_team_alone(path)
     # Its reader says what is wrong with the file.
     for known in FORMATS:
         if path.suffix.lower() in known.suffixes:
@@ -78,6 +94,7 @@ def read_environment(
     *,
     resolution_m: float | None = None,
     threshold: float | None = None,
+    starts_from: str | Path | None = None,
     name: str | None = None,
 ) -> Environment:
     """Return the world of a map file, whose content determines the format.
@@ -85,13 +102,15 @@ def read_environment(
     Parameters
     ----------
     path : str or Path
-        A file of one of the `FORMATS`: ROS map server, image, GeoJSON, well-known text, MovingAI
-        grid or IMR polygons.
+        A file of one of the `FORMATS`: ROS map server, image, GeoJSON, well-known text, world of
+        Stage, MovingAI grid or scenario, IMR polygons or HouseExpo.
     resolution_m : float, optional
-        Metres per pixel or cell. Required for images and MovingAI grids; other formats have a
-        scale of their own and do not accept it.
+        Metres per pixel or cell. Required for images and MovingAI grids and scenarios; other
+        formats have a scale of their own and do not accept it.
     threshold : float, optional
         Lightness in [0, 1] above which a pixel of an image is free; only for images.
+    starts_from : str or Path, optional
+        A team file of MRESim, whose robots' pixels become the suggested starts; only for images.
     name : str, optional
         Name of the world; by default the name of the file without its suffix.
 
@@ -113,4 +132,13 @@ def read_environment(
     'reading room'
     """
     path = Path(path)
-    return format_of(path).read(path, resolution_m=resolution_m, threshold=threshold, name=name)
+    known = format_of(path)
+    if starts_from is not None and known is not IMAGE:
+        raise MapFormatError(
+            f"{path} is not a plain image, whose pixels a team file names; "
+            "leave out --starts-from (starts_from)"
+        )
+    world = known.read(path, resolution_m=resolution_m, threshold=threshold, name=name)
+    if starts_from is None:
+        return world
+    return with_team(world, path, require_resolution(path, resolution_m), Path(starts_from))

@@ -1,5 +1,6 @@
 """Steps of all readers: open a file of bounded size, check options, build the world."""
 
+import json
 import math
 from collections.abc import Sequence
 from contextlib import suppress
@@ -20,6 +21,9 @@ MAX_TEXT_BYTES = 64 * 2**20
 MAX_CELLS = 64_000_000
 """Upper bound of the size of images and grids, in pixels or cells."""
 
+MAX_STARTS = 1000
+"""Upper bound of the suggested starts that are taken from a file."""
+
 
 def require_file(path: Path) -> int:
     """Return the size of a map file in bytes.
@@ -37,6 +41,8 @@ def require_file(path: Path) -> int:
         if not path.is_file():
             raise MapFormatError(f"{path} is not a regular file; copy the map into one")
         size = path.stat().st_size
+    except MapFormatError:
+        raise
     except (OSError, ValueError) as error:
         raise MapFormatError(f"{path} cannot be opened: {error}") from error
     if size == 0:
@@ -66,6 +72,69 @@ def read_text(path: Path, *, max_bytes: int = MAX_TEXT_BYTES) -> str:
         ) from error
     except OSError as error:
         raise MapFormatError(f"{path} cannot be read: {error}") from error
+
+
+def read_json(path: Path, what: str) -> object:
+    """Return the content of a JSON file; NaN and Infinity are read as floats.
+
+    Parameters
+    ----------
+    path : Path
+        The file, of at most `MAX_TEXT_BYTES` bytes.
+    what : str
+        The format, for messages, such as ``"GeoJSON"``.
+
+    Raises
+    ------
+    MapFormatError
+        If the file cannot be read, is not JSON, or is nested too deep.
+    """
+    text = read_text(path)
+    try:
+        return json.loads(text)
+    except json.JSONDecodeError as error:
+        raise MapFormatError(
+            f"{path} is not JSON, line {error.lineno}, column {error.colno}: {error.msg}"
+        ) from error
+    except (ValueError, RecursionError) as error:
+        raise MapFormatError(f"{path} is not {what}: {error}") from error
+
+
+def named_file(folder: Path, name: str, place: str) -> Path:
+    """Return the path of a file that a map file names, in a folder or below it.
+
+    Parameters
+    ----------
+    folder : Path
+        Folder to which the name is relative and which it may not leave, also by a symbolic link.
+    name : str
+        The name, as it stands in the map file.
+    place : str
+        The map file and the place in it, for messages.
+
+    Returns
+    -------
+    Path
+        The path; there may be no such file.
+
+    Raises
+    ------
+    MapFormatError
+        If the name leads out of the folder, or is not that of a file.
+    """
+    try:
+        found = folder / name
+        inside = found.resolve().is_relative_to(folder.resolve())
+    except (OSError, ValueError, RuntimeError) as error:
+        raise MapFormatError(f"{place} names the file {shown(name)}, which cannot be opened") from (
+            error
+        )
+    if not inside:
+        raise MapFormatError(
+            f"{place} names the file {shown(name)}, which is not in the folder of the map; "
+            "copy it into that folder and correct the name"
+        )
+    return found
 
 
 def require_resolution(path: Path, resolution_m: float | None) -> float:

@@ -12,7 +12,7 @@ from shapely import Polygon
 from multisrt.environments.environment import MAX_COORDINATE_M, Environment
 from multisrt.environments.formats.files import (
     build_environment,
-    read_text,
+    read_json,
     refuse_resolution,
     refuse_threshold,
     shown,
@@ -69,7 +69,7 @@ def read_geojson(
     refuse_resolution(path, resolution_m)
     refuse_threshold(path, threshold)
     root = _Place(str(path))
-    document = _document(path)
+    document = read_json(path, "GeoJSON")
     _refuse_degrees(root, document)
     world = _World()
     try:
@@ -108,20 +108,6 @@ class _World:
     free: list[Polygon] = field(default_factory=list)
     obstacles: list[Polygon] = field(default_factory=list)
     starts: list[tuple[float, float]] = field(default_factory=list)
-
-
-def _document(path: Path) -> object:
-    try:
-        # NaN, Infinity and 1e999 come through as floats and are refused where they stand.
-        return json.loads(read_text(path))
-    except json.JSONDecodeError as error:
-        raise MapFormatError(
-            f"{path} is not JSON, line {error.lineno}, column {error.colno}: {error.msg}"
-        ) from error
-    except MapFormatError:
-        raise
-    except (ValueError, RecursionError) as error:
-        raise MapFormatError(f"{path} is not GeoJSON: {error}") from error
 
 
 def _refuse_degrees(place: _Place, document: object) -> None:

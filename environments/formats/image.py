@@ -20,6 +20,7 @@ from multisrt.environments.formats.files import (
     require_resolution,
 )
 from multisrt.environments.formats.map_format import Beginning, MapFormat
+from multisrt.environments.formats.start_mark import marked_starts
 from multisrt.geometry.errors import MapFormatError
 from multisrt.geometry.numerics.kernel import BoolArray
 
@@ -50,7 +51,8 @@ def read_image(
 
     The lower left corner of the image is the origin, y is up. Lightness is the grey value, or the
     luma of a colour, as a share of the largest that the image's depth allows. Pixels that are
-    not fully opaque are not free.
+    not fully opaque are not free. A marked start, a small square of a level of its own in free
+    space, becomes a suggested start; see `start_mark`.
 
     Parameters
     ----------
@@ -95,6 +97,7 @@ def read_image(
         grid_polygons(path, free, resolution_m),
         name=name,
         origin=f"{path.name} at {resolution_m:g} m per pixel, free above lightness {threshold:.3g}",
+        starts=marked_starts(levels, free, resolution_m),
     )
 
 

@@ -1,7 +1,10 @@
-"""Polygon text files of the IMR maps: a border and obstacles in scaled units."""
+"""Polygon text files of the IMR maps: a border and obstacles, in three layouts."""
 
 import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Final
 
 import shapely
 from shapely import Polygon
@@ -17,7 +20,29 @@ from multisrt.environments.formats.files import (
 from multisrt.environments.formats.map_format import Beginning, MapFormat
 from multisrt.geometry.errors import MapFormatError
 
-SECTIONS = ("[SCALE]", "[BORDER]", "[OBSTACLE]")
+SECTIONS: Final = ("[SCALE]", "[BORDER]", "[OBSTACLE]")
+"""Sections of the layout with coordinates in each polygon."""
+
+SECTIONS_OF_MAP_POINTS: Final = ("[INFO]", "[MAP_POINTS]", "[MAP_BORDER]", "[MAP_OBSTACLE]")
+"""Sections of the layout ``FORMAT=MAP_POINTS``."""
+
+UNUSED_SECTIONS: Final = (
+    "[MAP_CONVEX_REGION]",
+    "[MESH_NODES]",
+    "[MESH_TRIANGLES]",
+    "[MESH_BOUNDARY_NODES]",
+    "[TRIMESH_CONVEX_REGION]",
+    "[TRIMESH_CONVEX_REGION_TRIANGLES]",
+)
+"""Sections of the layout ``FORMAT=MAP_POINTS`` that are made of the polygons and not read."""
+
+SECTIONS_OF_NAMED: Final = ("[NAME]", "[LIMITS]", "[POINTS]", "[BORDER]", "[NUM_HOLES]", "[HOLE]")
+"""Sections of the layout that begins with ``[NAME]``."""
+
+FREE_TEXT: Final = ("[NAME]", "[INFO]", *UNUSED_SECTIONS)
+"""Sections whose content is not made of numbers, or not read."""
+
+Point = tuple[float, float]
 
 
 def read_imr(
@@ -27,13 +52,23 @@ def read_imr(
     threshold: float | None = None,
     name: str | None = None,
 ) -> Environment:
-    """Read a polygon map in sections ``[SCALE]``, ``[BORDER]`` and ``[OBSTACLE]``.
+    """Read a polygon map of the Intelligent and Mobile Robotics group (CTU Prague).
+
+    A file is in one of three layouts, which its sections distinguish:
+
+    - ``[SCALE]`` with the metres per unit (1 without it), ``[BORDER]`` and every ``[OBSTACLE]``
+      with lines ``x y``;
+    - ``[INFO]`` with ``FORMAT=MAP_POINTS``, ``[MAP_POINTS]`` with lines ``index x y`` in metres,
+      ``[MAP_BORDER]`` and every ``[MAP_OBSTACLE]`` with indices of points;
+    - ``[NAME]``, ``[LIMITS]``, ``[POINTS]`` with a count and lines ``index x y`` in metres,
+      ``[BORDER]`` with a count and lines ``position index``, ``[NUM_HOLES]`` with a count, and
+      every ``[HOLE]`` with its number, a count and lines ``position index``.
 
     Parameters
     ----------
     path : Path
-        ``[SCALE]`` is followed by the metres per unit (1 without it), ``[BORDER]`` and every
-        ``[OBSTACLE]`` by lines ``x y``, not closed, in either sense. Obstacles may overlap.
+        Polygons are not closed and in either sense. Obstacles may overlap. Points are numbered
+        from 0 in their order.
     resolution_m, threshold
         Refused: the file states its own scale and is not an image.
     name : str, optional
@@ -42,80 +77,234 @@ def read_imr(
     Raises
     ------
     MapFormatError
-        If a section is unknown, missing or has too few points, or a line has no two numbers.
+        If a section is unknown, missing or has too few points, a line is not made of the
+        numbers that belong there, a count is wrong, or an index has no point.
+
+    Notes
+    -----
+    Source: the loader of the library TřiVis (J. Mikula, CTU Prague). Differs in: obstacles are
+    not moved into the border but cut off there, and other sections and wrong counts are errors.
     """
     refuse_resolution(path, resolution_m)
     refuse_threshold(path, threshold)
-    scale = 1.0
-    borders: list[Polygon] = []
-    obstacles: list[Polygon] = []
-    sections = _sections(path)
-    for number, section, rows in sections:
-        if section == "[SCALE]":
-            if len(rows) != 1 or len(rows[0]) != 1 or not rows[0][0] > 0:
-                raise MapFormatError(
-                    f"{path}, line {number}: [SCALE] is followed by one positive number"
-                )
-            scale = rows[0][0]
-    for number, section, rows in sections:
-        if section != "[SCALE]":
-            polygon = _polygon(path, number, section, rows, scale)
-            (borders if section == "[BORDER]" else obstacles).append(polygon)
+    sections = list(_sections(path))
+    headings = [section.heading for section in sections]
+    if "[NAME]" in headings:
+        polygons = _named_polygons(sections)
+    elif "[INFO]" in headings or "[MAP_POINTS]" in headings:
+        polygons = _map_points_polygons(sections)
+    else:
+        polygons = _plain_polygons(sections)
+    borders = [polygon for is_border, polygon in polygons if is_border]
+    obstacles = [polygon for is_border, polygon in polygons if not is_border]
     if len(borders) != 1:
-        raise MapFormatError(f"{path} has {len(borders)} sections [BORDER]; a map has one")
+        raise MapFormatError(f"{path} has {len(borders)} borders; a map has one")
     free = borders[0].difference(shapely.union_all(obstacles))
     return build_environment(path, free, name=name, origin=path.name)
 
 
-def _sections(path: Path) -> list[tuple[int, str, list[list[float]]]]:
-    """Return the line number, heading and rows of numbers of each section."""
-    sections: list[tuple[int, str, list[list[float]]]] = []
+# Sections -----------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class _Section:
+    """A heading and the rows of numbers below it, each with its line."""
+
+    path: Path
+    line: int
+    heading: str
+    rows: list[list[float]] = field(default_factory=list)
+    lines: list[int] = field(default_factory=list)
+
+    def error(self, what: str) -> MapFormatError:
+        return MapFormatError(f"{self.path}, line {self.line}: {self.heading} {what}")
+
+    def error_in(self, row: int, what: str) -> MapFormatError:
+        return MapFormatError(f"{self.path}, line {self.lines[row]}: {what}")
+
+    def count(self, at: int, most: int | None = None) -> int:
+        """Return a row that is one whole number of at least 0."""
+        row = self.rows[at] if at < len(self.rows) else []
+        if len(row) != 1 or not row[0].is_integer() or row[0] < 0:
+            raise self.error("is followed by a line with one whole number")
+        if most is not None and row[0] > most:
+            raise self.error(f"has {row[0]:g} where at most {most} is possible")
+        return int(row[0])
+
+    def counted(self, start: int) -> range:
+        """Return the rows after a count in row `start`, which they must agree with."""
+        count, found = self.count(start), len(self.rows) - start - 1
+        if count != found:
+            raise self.error(f"says that {count} lines follow, and {found} do")
+        return range(start + 1, len(self.rows))
+
+
+def _sections(path: Path) -> Iterator[_Section]:
+    known = {*SECTIONS, *SECTIONS_OF_MAP_POINTS, *UNUSED_SECTIONS, *SECTIONS_OF_NAMED}
+    section: _Section | None = None
     for number, line in enumerate(read_text(path).splitlines(), start=1):
-        text = line.strip()
+        heading, _, text = line.strip().partition(" ")
+        if heading in known:
+            if section is not None:
+                yield section
+            section = _Section(path, number, heading)
+        else:
+            text = line
+        text = text.strip()
         if not text:
             continue
-        if text in SECTIONS:
-            sections.append((number, text, []))
-            continue
-        if not sections or text.startswith("["):
+        if section is None or text.startswith("["):
             raise MapFormatError(
                 f"{path}, line {number} is {shown(text)}; "
-                f"a polygon map has the sections {', '.join(SECTIONS)}"
+                f"a polygon map has the sections {', '.join(SECTIONS)} or those of the layouts "
+                "FORMAT=MAP_POINTS or [NAME]"
             )
-        try:
-            row = [float(word) for word in text.split()]
-        except ValueError:
-            row = []
-        if not row or not all(math.isfinite(value) for value in row):
+        if section.heading == "[INFO]" and text.startswith("FORMAT=") and text[7:] != "MAP_POINTS":
             raise MapFormatError(
-                f"{path}, line {number} is {shown(text)}; it is made of finite numbers"
+                f"{path}, line {number} is {shown(text)}; the format is MAP_POINTS"
             )
-        sections[-1][2].append(row)
-    return sections
+        if section.heading not in FREE_TEXT:
+            section.rows.append(_row(path, number, text))
+            section.lines.append(number)
+    if section is not None:
+        yield section
 
 
-def _polygon(
-    path: Path, number: int, section: str, rows: list[list[float]], scale: float
-) -> Polygon:
-    place = f"{path}, line {number}: {section}"
-    if len(rows) < 3 or any(len(row) != 2 for row in rows):
-        raise MapFormatError(f"{place} is followed by at least three lines x y")
-    points = [(x * scale, y * scale) for x, y in rows]
-    if not all(abs(value) <= MAX_COORDINATE_M for point in points for value in point):
+def _row(path: Path, number: int, text: str) -> list[float]:
+    try:
+        row = [float(word) for word in text.split()]
+    except ValueError:
+        row = []
+    if not row or not all(math.isfinite(value) for value in row):
         raise MapFormatError(
-            f"{place} has a coordinate beyond {MAX_COORDINATE_M:g} m; check [SCALE]"
+            f"{path}, line {number} is {shown(text)}; it is made of finite numbers"
         )
+    return row
+
+
+# Layouts ------------------------------------------------------------------------------------
+
+
+Polygons = list[tuple[bool, Polygon]]
+
+
+def _plain_polygons(sections: list[_Section]) -> Polygons:
+    scale = 1.0
+    for section in sections:
+        if section.heading == "[SCALE]":
+            if len(section.rows) != 1 or len(section.rows[0]) != 1 or not section.rows[0][0] > 0:
+                raise section.error("is followed by one positive number")
+            scale = section.rows[0][0]
+    polygons = []
+    for section in sections:
+        if section.heading in ("[BORDER]", "[OBSTACLE]"):
+            if any(len(row) != 2 for row in section.rows):
+                raise section.error("is followed by at least three lines x y")
+            points = [(x * scale, y * scale) for x, y in section.rows]
+            polygons.append((section.heading == "[BORDER]", _polygon(section, points)))
+        elif section.heading != "[SCALE]":
+            raise section.error(f"does not belong to a layout with {', '.join(SECTIONS)}")
+    return polygons
+
+
+def _map_points_polygons(sections: list[_Section]) -> Polygons:
+    _require_known(sections, (*SECTIONS_OF_MAP_POINTS, *UNUSED_SECTIONS))
+    points = _points(sections, "[MAP_POINTS]", lambda section: range(len(section.rows)))
+    return [
+        (
+            section.heading == "[MAP_BORDER]",
+            _polygon(section, _indexed(section, range(len(section.rows)), points, 0)),
+        )
+        for section in sections
+        if section.heading in ("[MAP_BORDER]", "[MAP_OBSTACLE]")
+    ]
+
+
+def _named_polygons(sections: list[_Section]) -> Polygons:
+    _require_known(sections, SECTIONS_OF_NAMED)
+    points = _points(sections, "[POINTS]", lambda section: section.counted(0))
+    polygons: Polygons = []
+    holes: set[int] = set()
+    for section in sections:
+        if section.heading == "[BORDER]":
+            vertices = _indexed(section, section.counted(0), points, 1)
+            polygons.append((True, _polygon(section, vertices)))
+        elif section.heading == "[HOLE]":
+            # The number and the count of a hole are on one line or on two.
+            if section.rows and len(section.rows[0]) == 2:
+                section.rows[:1] = [[value] for value in section.rows[0]]
+                section.lines[:1] = [section.lines[0]] * 2
+            holes.add(section.count(0))
+            vertices = _indexed(section, section.counted(1), points, 1)
+            polygons.append((False, _polygon(section, vertices)))
+    for section in sections:
+        if section.heading == "[NUM_HOLES]":
+            count = section.count(0)
+            if holes != set(range(count)) or len(polygons) != count + 1:
+                raise section.error(
+                    f"is {count}; the sections [HOLE] are not numbered from 0 to {count - 1}"
+                )
+    return polygons
+
+
+def _require_known(sections: list[_Section], known: tuple[str, ...]) -> None:
+    for section in sections:
+        if section.heading not in known:
+            raise section.error(f"does not belong to a layout with {', '.join(known)}")
+
+
+def _points(
+    sections: list[_Section], heading: str, rows_of: Callable[[_Section], range]
+) -> list[Point]:
+    found = [section for section in sections if section.heading == heading]
+    if len(found) != 1:
+        path = sections[0].path
+        raise MapFormatError(f"{path} has {len(found)} sections {heading}; a map has one")
+    (section,) = found
+    points: list[Point] = []
+    for at in rows_of(section):
+        row = section.rows[at]
+        if len(row) != 3 or row[0] != len(points):
+            raise section.error_in(
+                at, f"a point is a line index x y, and this one has the index {len(points)}"
+            )
+        points.append((row[1], row[2]))
+    return points
+
+
+def _indexed(section: _Section, rows: range, points: list[Point], at: int) -> list[Point]:
+    """Return the points of the indices in rows: column `at` of each, or all columns if it is 0."""
+    found = []
+    for row in rows:
+        values = section.rows[row]
+        if at and len(values) != at + 1:
+            raise section.error_in(row, "a vertex is a line position index")
+        for value in values[at:]:
+            if not (value.is_integer() and 0 <= value < len(points)):
+                raise section.error_in(
+                    row, f"{value:g} is no index of a point; they are 0 to {len(points) - 1}"
+                )
+            found.append(points[int(value)])
+    return found
+
+
+def _polygon(section: _Section, points: list[Point]) -> Polygon:
+    if len(points) < 3:
+        raise section.error("is followed by at least three lines or points")
+    if not all(abs(value) <= MAX_COORDINATE_M for point in points for value in point):
+        raise section.error(f"has a coordinate beyond {MAX_COORDINATE_M:g} m; check the scale")
     polygon = Polygon(points)
     if not polygon.is_valid:
-        raise MapFormatError(
-            f"{place} is not a valid polygon: {shapely.is_valid_reason(polygon)}; "
+        raise section.error(
+            f"is not a valid polygon: {shapely.is_valid_reason(polygon)}; "
             "draw outlines that do not cross themselves"
         )
     return polygon
 
 
 def _is_imr(beginning: Beginning) -> bool:
-    return beginning.first_line in SECTIONS
+    heading = beginning.first_line.partition(" ")[0]
+    return heading in (*SECTIONS, *SECTIONS_OF_MAP_POINTS, *SECTIONS_OF_NAMED)
 
 
 IMR = MapFormat(

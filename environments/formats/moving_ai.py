@@ -17,6 +17,7 @@ from multisrt.environments.formats.files import (
 )
 from multisrt.environments.formats.map_format import Beginning, MapFormat
 from multisrt.geometry.errors import MapFormatError
+from multisrt.geometry.numerics.kernel import BoolArray
 
 FREE = ".GS"
 """Characters of free cells: ground, ground and swamp."""
@@ -54,10 +55,27 @@ def read_moving_ai(
     Notes
     -----
     Source: N. Sturtevant, Benchmarks for grid-based pathfinding, 2012; differs in: swamp, which
-    the game enters only from swamp or ground, is ground.
+    the game enters only from swamp or ground, is ground. A scenario of the benchmark
+    (`moving_ai_scenario`) adds suggested starts to its map.
     """
     refuse_threshold(path, threshold)
     resolution_m = require_resolution(path, resolution_m)
+    return build_environment(
+        path,
+        grid_polygons(path, read_cells(path), resolution_m),
+        name=name,
+        origin=f"{path.name} at {resolution_m:g} m per cell",
+    )
+
+
+def read_cells(path: Path) -> BoolArray:
+    """Return the mask of the free cells of a ``.map`` grid, first line first.
+
+    Raises
+    ------
+    MapFormatError
+        As `read_moving_ai`.
+    """
     lines = read_text(path).splitlines()
     height, width = _header(path, lines)
     rows = lines[4 : 4 + height]
@@ -67,7 +85,7 @@ def read_moving_ai(
         if len(row) != width:
             raise MapFormatError(f"{path}, line {number} has {len(row)} cells and not {width}")
     cells = np.frombuffer("".join(rows).encode("utf-32-le"), np.uint32).reshape(height, width)
-    free = np.isin(cells, [ord(sign) for sign in FREE])
+    free: BoolArray = np.isin(cells, [ord(sign) for sign in FREE])
     strange = np.argwhere(~free & ~np.isin(cells, [ord(sign) for sign in BLOCKED]))
     if strange.size:
         row, column = strange[0]
@@ -77,12 +95,7 @@ def read_moving_ai(
         )
     if not free.any():
         raise MapFormatError(f"{path} has no free cell: none of {FREE}")
-    return build_environment(
-        path,
-        grid_polygons(path, free, resolution_m),
-        name=name,
-        origin=f"{path.name} at {resolution_m:g} m per cell",
-    )
+    return free
 
 
 def _header(path: Path, lines: list[str]) -> tuple[int, int]:

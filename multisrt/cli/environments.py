@@ -12,6 +12,7 @@ from multisrt.cli import candidates
 from multisrt.cli.mistakes import CommandGroup, is_world
 from multisrt.cli.output_options import force_option, quiet_option
 from multisrt.cli.outputs import require_no_file
+from multisrt.cli.own_map import starts_from_option
 from multisrt.cli.reach import areas, around
 from multisrt.cli.tables import show as show_table
 from multisrt.cli.tables import table
@@ -56,6 +57,7 @@ def environments(context: click.Context) -> None:
 @force_option()
 @click.option("--resolution", type=float, help="Metres per pixel of an image without its own.")
 @click.option("--threshold", type=float, help="Lightness from 0 to 1 above which a pixel is free.")
+@starts_from_option()
 @quiet_option()
 def show(
     environment: str,
@@ -64,6 +66,7 @@ def show(
     force: bool,
     resolution: float | None,
     threshold: float | None,
+    starts_from: str | None,
     quiet: bool,
 ) -> None:
     """Draw an environment as SVG.
@@ -78,7 +81,9 @@ def show(
     from multisrt.drawing import save_environment_svg
     from multisrt.simulation.worlds import build_environment, environment_spec
 
-    where = environment_spec(environment, resolution_m=resolution, threshold=threshold)
+    where = environment_spec(
+        environment, resolution_m=resolution, threshold=threshold, starts_from=starts_from
+    )
     if out is None:
         out = Path(f"{Path(environment).stem}.svg")
     require_no_file(out, force=force)

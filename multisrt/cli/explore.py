@@ -27,6 +27,7 @@ from multisrt.cli.outputs import (
     require_no_run,
     run_folder,
 )
+from multisrt.cli.own_map import starts_from_option
 from multisrt.cli.run_options import DRIVES, FAULTS, OVERRIDES, USUAL, spec_of_options
 from multisrt.cli.sections import SectionedCommand
 from multisrt.cli.spec_files import read_run_spec
@@ -52,7 +53,7 @@ SECTIONS = {
     "Team": ("--robots", "--starts", "--start", "--robot", "--fault"),
     "Robots": ("--range", "--beams", "--footprint", "--drive", "--speed", "--turning-radius"),
     "Radio": ("--radio-range", "--no-multi-hop", "--latency", "--jitter", "--loss", "--walls"),
-    "Image maps": ("--resolution", "--threshold"),
+    "Image maps": ("--resolution", "--threshold", "--starts-from"),
     "Output": (
         *("--out", "--force", "--view", "--live", "--no-open", "--watch"),
         *("--without", "--regret", "--details", "--quiet"),
@@ -196,6 +197,7 @@ Exit code:
 )
 @click.option("--resolution", type=float, help="Metres per pixel of an image without its own.")
 @click.option("--threshold", type=float, help="Lightness from 0 to 1 above which a pixel is free.")
+@starts_from_option()
 @out_folder("the results", "runs/ENV-STRATEGY-SEED, with a number if it exists")
 @force_option("the run in DIR")
 @without_option("map")
@@ -244,7 +246,8 @@ def explore(
     Writes a picture, the metrics and the recording of the run.
 
     ENV is a name that 'multisrt environments' lists, or a map file: a ROS map_server YAML, an
-    image with --resolution (its origin is the lower left corner), GeoJSON or WKT. FILE.py:CLASS or
+    image with --resolution (its origin is the lower left corner), GeoJSON, WKT, a world of Stage, a
+    grid or scenario of MovingAI with --resolution, IMR polygons or HouseExpo. FILE.py:CLASS or
     MODULE:CLASS in its place is a strategy of your own, which explores the apartment.
     """
     from multisrt.experiments.results import is_success

@@ -1,4 +1,4 @@
-"""The options of a command that can use a map of the user's own instead of its worlds."""
+"""The options of commands that take a map of the user's own."""
 
 from __future__ import annotations
 
@@ -13,21 +13,45 @@ import click
 
 @dataclass(frozen=True, slots=True)
 class OwnMap:
-    """A map file, and the resolution of an image without its own in metres per pixel.
+    """A map file, and of an image its resolution in metres per pixel and a team file with starts.
 
-    As a string, the options that name it, without the folder of the file.
+    As a string, the options that name it, without the folders of the files.
     """
 
     path: Path
     resolution_m: float | None
+    starts_from: str | None = None
 
     def __str__(self) -> str:
         image = "" if self.resolution_m is None else f" --resolution {self.resolution_m:g}"
-        return f"--map {self.path.name}{image}"
+        team = "" if self.starts_from is None else f" --starts-from {Path(self.starts_from).name}"
+        return f"--map {self.path.name}{image}{team}"
+
+
+def starts_from_option(when: str = "") -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Return the option --starts-from of a command that takes an image as a map.
+
+    Parameters
+    ----------
+    when : str
+        What precedes its help, such as ``"With --map: "``.
+
+    Returns
+    -------
+    callable
+        The decorator of the command, which takes a keyword `starts_from` of type str or None.
+    """
+    first = "suggested starts" if when else "Suggested starts"
+    return click.option(
+        "--starts-from",
+        type=click.Path(),
+        metavar="FILE",
+        help=f"{when}{first} of an image: a team file of MRESim.",
+    )
 
 
 def map_options(command: Callable[..., None]) -> Callable[..., None]:
-    """Add the options --map and --resolution to a command.
+    """Add the options --map, --resolution and --starts-from to a command.
 
     Parameters
     ----------
@@ -42,11 +66,16 @@ def map_options(command: Callable[..., None]) -> Callable[..., None]:
 
     @wraps(command)
     def with_map(
-        *args: Any, map_file: Path | None, resolution: float | None, **others: Any
+        *args: Any,
+        map_file: Path | None,
+        resolution: float | None,
+        starts_from: str | None,
+        **others: Any,
     ) -> None:
-        if map_file is None and resolution is not None:
-            raise click.UsageError("--resolution is for an image that --map names")
-        own_map = None if map_file is None else OwnMap(map_file, resolution)
+        for option, value in (("--resolution", resolution), ("--starts-from", starts_from)):
+            if map_file is None and value is not None:
+                raise click.UsageError(f"{option} is for an image that --map names")
+        own_map = None if map_file is None else OwnMap(map_file, resolution, starts_from)
         command(*args, own_map=own_map, **others)
 
     options = (
@@ -64,6 +93,7 @@ def map_options(command: Callable[..., None]) -> Callable[..., None]:
             metavar="METRES",
             help="With --map: metres per pixel of an image without its own.",
         ),
+        starts_from_option("With --map: "),
     )
     decorated: Callable[..., None] = with_map
     for option in reversed(options):

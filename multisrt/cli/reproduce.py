@@ -130,7 +130,7 @@ def reproduce(
 
     preset = preset_named(name)
     if own_map is not None:
-        preset = preset.with_map(own_map.path, own_map.resolution_m)
+        preset = preset.with_map(own_map.path, own_map.resolution_m, own_map.starts_from)
     experiment = preset.experiment(quick)
     if seeds is not None:
         experiment = msgspec.structs.replace(experiment, repetitions=seeds)

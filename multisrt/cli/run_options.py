@@ -87,7 +87,10 @@ def spec_of_options(environment: str, strategy: str | None, given: Mapping[str, 
         fields["strategy"] = strategy
     spec = RunSpec(
         environment=environment_spec(
-            environment, resolution_m=given["resolution"], threshold=given["threshold"]
+            environment,
+            resolution_m=given["resolution"],
+            threshold=given["threshold"],
+            starts_from=given["starts_from"],
         ),
         options=options_of(given["options"]),
         robots=_team(given),

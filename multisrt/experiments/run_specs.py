@@ -201,11 +201,14 @@ def _environment(choice: EnvironmentChoice, seed: int, folder: Path | None) -> E
             f"environment {choice.name!r}: 'starts' are for an environment given as 'wkt'; to say "
             "where teams start, give the experiment's 'starts' places"
         )
-    path = choice.name if folder is None else str(folder / choice.name)
+    path, team = choice.name, choice.starts_from
+    if folder is not None:
+        path, team = str(folder / path), None if team is None else str(folder / team)
     found = environment_spec(
         path if is_file(choice, folder) else choice.name,
         resolution_m=choice.resolution_m,
         threshold=choice.threshold,
+        starts_from=team,
     )
     if isinstance(found, CatalogEnvironment):
         own = seed if choice.seed == "repetition" else choice.seed
@@ -228,7 +231,7 @@ def _require_only_text(choice: EnvironmentChoice) -> None:
     if choice != plain:
         raise InvalidInputError(
             f"environment {choice.name!r} is given as 'wkt': parameters and seeds are for "
-            "generators, a resolution and a threshold for images"
+            "generators, a resolution, a threshold and a team file for images"
         )
 
 

@@ -61,6 +61,9 @@ class EnvironmentChoice(_Part, frozen=True, kw_only=True, omit_defaults=True):
         Metres per pixel of an image without its own resolution.
     threshold : float or None
         Lightness in [0, 1] above which a pixel of a plain image is free.
+    starts_from : str or None
+        A team file of MRESim that gives a plain image its suggested starts; the path is relative
+        to the experiment's file.
     wkt : str or None
         Free space as well-known text (m), instead of an environment of this name.
     starts : tuple of (x, y)
@@ -74,6 +77,7 @@ class EnvironmentChoice(_Part, frozen=True, kw_only=True, omit_defaults=True):
     seeds: str | tuple[Seed, ...] = ()
     resolution_m: float | None = None
     threshold: float | None = None
+    starts_from: NameOrPath | None = None
     wkt: str | None = None
     starts: tuple[tuple[float, float], ...] = ()
 

@@ -87,7 +87,9 @@ class Preset:
     on_map: Callable[[ExperimentSpec, EnvironmentChoice], ExperimentSpec] | None = None
     ablations: Ablations | None = None
 
-    def with_map(self, path: Path, resolution_m: float | None = None) -> Preset:
+    def with_map(
+        self, path: Path, resolution_m: float | None = None, starts_from: str | None = None
+    ) -> Preset:
         """Return the preset with a map of one's own instead of its worlds.
 
         It keeps the ablations if they are made in whatever worlds the experiment has.
@@ -98,6 +100,8 @@ class Preset:
             The map file.
         resolution_m : float, optional
             Metres per pixel of an image without its own resolution.
+        starts_from : str, optional
+            A team file of MRESim that gives an image its suggested starts.
 
         Returns
         -------
@@ -120,7 +124,9 @@ class Preset:
             raise InvalidInputError(f"{self.name} cannot be run on another map; leave out --map")
         # A name without a folder could be that of an environment of the catalogue.
         name = str(path) if path.parent != Path() else f"./{path}"
-        world = EnvironmentChoice(name=name, label=path.stem, resolution_m=resolution_m)
+        world = EnvironmentChoice(
+            name=name, label=path.stem, resolution_m=resolution_m, starts_from=starts_from
+        )
         told = Deviation(f"{WORLD} the map {path.name}, not that of the paper.")
         others = (one for one in self.deviations if not one.text.startswith(WORLD))
         ablations = self.ablations

@@ -40,11 +40,13 @@ def starts_of(
 ) -> tuple[Configuration, ...]:
     """Return the configurations in which the robots of a run start.
 
-    Robots with a start in the spec start there. A single robot without one starts where the
-    environment suggests, or at a position drawn uniformly where it has room in any heading. In a
-    team, robots are either scattered, each at the one of `CANDIDATES` such positions that is
-    farthest from the others, with a random heading; or clustered around the first one and in its
-    heading, at the nodes of a hexagonal lattice that are in its sight or have the shortest paths.
+    Robots with a start in the spec start there. A single robot without one starts at the first
+    suggested start of the environment that its body fits at or, if the environment suggests none,
+    at a position drawn uniformly where it has room in any heading. In a team, robots are either
+    scattered, each at the one of `CANDIDATES` such positions that is farthest from the others,
+    with a random heading; or clustered around the first one, which starts like a single robot,
+    and in its heading, at the nodes of a hexagonal lattice that are in its sight or have the
+    shortest paths.
 
     Parameters
     ----------
@@ -191,12 +193,25 @@ def _require_turning_circles(
 
 def _alone(streams: RandomStreams, environment: Environment, footprint: Footprint) -> Configuration:
     if environment.starts:
-        start = Configuration(*environment.starts[0])
-    else:
-        area = _largest_room(environment, environment.free, footprint)
-        start = _drawn_place(area, streams.of("starts"))
+        return _suggested(environment, footprint)
+    area = _largest_room(environment, environment.free, footprint)
+    start = _drawn_place(area, streams.of("starts"))
     _require_fit(environment, footprint, start)
     return start
+
+
+def _suggested(environment: Environment, footprint: Footprint) -> Configuration:
+    # The first suggested start that a body fits at. Map files suggest starts for other bodies.
+    problems = []
+    for place in environment.starts:
+        start = Configuration(*place)
+        try:
+            _require_fit(environment, footprint, start)
+        except ClearanceError as problem:
+            problems.append(problem)
+        else:
+            return start
+    raise problems[0]
 
 
 def _largest_room(environment: Environment, free: BaseGeometry, footprint: Footprint) -> Polygon:

@@ -16,7 +16,11 @@ from multisrt.spec import CatalogEnvironment, EnvironmentSpec, FileEnvironment, 
 
 
 def environment_spec(
-    text: str, *, resolution_m: float | None = None, threshold: float | None = None
+    text: str,
+    *,
+    resolution_m: float | None = None,
+    threshold: float | None = None,
+    starts_from: str | None = None,
 ) -> CatalogEnvironment | FileEnvironment:
     """Return the spec of an environment that is named by a text.
 
@@ -29,12 +33,14 @@ def environment_spec(
         Metres per pixel, for an image whose file does not give them.
     threshold : float, optional
         Lightness in [0, 1] above which a pixel of a plain image is free.
+    starts_from : str, optional
+        A team file of MRESim that gives a plain image its suggested starts.
 
     Raises
     ------
     InvalidInputError
-        If the text is neither, or an environment of the catalogue is given a resolution or a
-        threshold.
+        If the text is neither, or an environment of the catalogue is given a resolution, a
+        threshold or a team file.
 
     Examples
     --------
@@ -44,10 +50,10 @@ def environment_spec(
     './office.png'
     """
     if text in names():
-        if resolution_m is not None or threshold is not None:
+        if any(value is not None for value in (resolution_m, threshold, starts_from)):
             raise InvalidInputError(
-                f"{text!r} is an environment of the catalogue: a resolution or a threshold is "
-                "for images"
+                f"{text!r} is an environment of the catalogue: a resolution, a threshold or a "
+                "team file is for images"
             )
         return CatalogEnvironment(name=text)
     path = Path(text)
@@ -56,7 +62,9 @@ def environment_spec(
             f"there is no environment {text!r}{did_you_mean(text, names())} and no file of that "
             f"name; the catalogue has: {', '.join(names())}"
         )
-    return FileEnvironment(path=text, resolution_m=resolution_m, threshold=threshold)
+    return FileEnvironment(
+        path=text, resolution_m=resolution_m, threshold=threshold, starts_from=starts_from
+    )
 
 
 def _exists(path: Path) -> bool:
@@ -89,7 +97,10 @@ def build_environment(spec: EnvironmentSpec) -> Environment:
         return environment(spec.name, seed=spec.seed, **parameters)
     if isinstance(spec, FileEnvironment):
         return read_environment(
-            Path(spec.path), resolution_m=spec.resolution_m, threshold=spec.threshold
+            Path(spec.path),
+            resolution_m=spec.resolution_m,
+            threshold=spec.threshold,
+            starts_from=spec.starts_from,
         )
     try:
         with np.errstate(invalid="ignore"):  # NaN coordinates are refused below

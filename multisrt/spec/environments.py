@@ -39,6 +39,8 @@ class FileEnvironment(Part, frozen=True, kw_only=True, tag_field="from", tag="fi
         Metres per pixel, for an image whose file does not give them.
     threshold : float or None
         Lightness in [0, 1] above which a pixel of a plain image is free.
+    starts_from : str or None
+        A team file of MRESim that gives a plain image its suggested starts.
 
     Examples
     --------
@@ -53,6 +55,7 @@ class FileEnvironment(Part, frozen=True, kw_only=True, tag_field="from", tag="fi
     path: str
     resolution_m: float | None = None
     threshold: float | None = None
+    starts_from: str | None = None
 
 
 class InlineEnvironment(Part, frozen=True, kw_only=True, tag_field="from", tag="wkt"):

@@ -104,6 +104,13 @@ def workplace(tmp_path, monkeypatch):
     square = [[[0, 0], [9, 0], [9, 7], [0, 7], [0, 0]]]
     Path("plan.geojson").write_text(json.dumps({"type": "Polygon", "coordinates": square}))
 
+    Path("simple.world").write_text(
+        'model ( bitmap "plan.png" size [8 6 1] ) position ( pose [-2 0 0 0] )'
+    )
+    rows = "\n".join(["." * 12] * 10)
+    Path("arena.map").write_text(f"type octile\nheight 10\nwidth 12\nmap\n{rows}\n")
+    Path("arena.map.scen").write_text("version 1\n0\tarena.map\t12\t10\t1\t1\t8\t8\t9.9\n")
+
     def explore(world, **given):
         if isinstance(world, ms.RunSpec):
             world = msgspec.structs.replace(world, stop=ms.StopRule(max_time_s=SHORT_S))

@@ -10,11 +10,16 @@ from multisrt.geometry.errors import MapFormatError
 MAPS = Path(__file__).resolve().parents[2].parent / "shared" / "maps"
 HAVE_MAPS = MAPS.is_dir()
 SUFFIXES = [suffix for known in FORMATS for suffix in known.suffixes]
-IN_METRES = (".yaml", ".yml", ".geojson", ".json", ".wkt", ".txt")
+IN_METRES = (".yaml", ".yml", ".geojson", ".json", ".wkt", ".txt", ".world")
 
 UNREADABLE = {
     "explore_bench/loop.yaml": "names the image square_loop.pgm, which is not in",
     "explore_bench/room.yaml": "names the image room1_modified.pgm, which is not in",
+    "stage/autolab.world": "names the bitmap bitmaps/autolab.png, which is not in",
+    "stage/simple.world": "names the bitmap bitmaps/cave.png, which is not in",
+    "navigation_tutorials/roomba_lse_arena.world": "names the bitmap ./maps/lse_arena.pgm, which",
+    "navigation_tutorials/willow-pr2.world": r"\.\./maps/willow-full\.pgm', which is not in",
+    "navigation_tutorials/willow-pr2-5cm.world": r"willow-full-0\.05\.pgm', which is not in",
     "explore_bench/loop_with_corridor.yaml": "loop_with_corridor_sym.pgm, which is not in",
     **dict.fromkeys(
         (
@@ -23,7 +28,7 @@ UNREADABLE = {
             "mresim/team_8robots-rooms.txt",
             "mresim/team_M1_L1_R8.txt",
         ),
-        r"line 1 is .* a polygon map has the sections \[SCALE\]",
+        "is a team file of MRESim, .* --starts-from",
     ),
 }
 
@@ -108,6 +113,9 @@ CONTENTS = {
     "well-known text": b"\nPolygon ((0 0, 1 0, 1 1, 0 0))",
     "MovingAI grid": b"type octile\nheight 1\nwidth 1\nmap\n.\n",
     "IMR polygons": b"\n[SCALE]\n1\n",
+    "MovingAI scenario": b"version 1\n0\ta.map\t1\t1\t0\t0\t0\t0\t0\n",
+    "Stage world": b'# a world\ninclude "map.inc"\nfloorplan ( bitmap "a.png" )\n',
+    "HouseExpo": b'{"verts": [[0, 0], [1, 0], [1, 1]], "id": "a", "room_num": 1}',
 }
 
 

@@ -92,8 +92,8 @@ def test_imr_polygons(read):
         ("0.01", "nan", "line 2 is 'nan'; it is made of finite numbers"),
         ("1000 800", "1000 eight", "line 7 is '1000 eight'"),
         ("1000 800", "1000", r"line 4: \[BORDER\] is followed by"),
-        ("[BORDER]", "[OBSTACLE]", r"has 0 sections \[BORDER\]"),
-        ("[BORDER]", "[LIMITS]", r"line 4 is '\[LIMITS\]'"),
+        ("[BORDER]", "[OBSTACLE]", "has 0 borders"),
+        ("[BORDER]", "[LIMITS]", r"line 4: \[LIMITS\] does not belong to a layout with \[SCALE\]"),
         ("700 400\n700 600\n", "", r"line 16: \[OBSTACLE\] is followed by at least three"),
         ("600 300", "300 480", r"line 10: \[OBSTACLE\] is not a valid polygon"),
         ("0.01", "1e9", "beyond 1e.07 m"),
@@ -104,3 +104,136 @@ def test_imr_fault_is_named(read, old, new, message):
     assert old in IMR
     with pytest.raises(MapFormatError, match=message):
         read(IMR.replace(old, new, 1), ".txt")
+
+
+MAP_POINTS = """[INFO]
+FORMAT=MAP_POINTS
+VERSION=1
+
+[MAP_POINTS]
+0 0 0
+1 10 0
+2 10 8
+3 0 8
+4 4 3
+5 4 5
+6 6 5
+7 6 3
+
+[MAP_BORDER]
+0
+1
+2
+3
+
+[MAP_OBSTACLE]
+4 5
+6 7
+
+[MAP_CONVEX_REGION]
+anything 1 2
+[MESH_NODES]
+0 1
+"""
+
+NAMED = """[NAME]
+a room of 10 m
+[LIMITS]
+0 10 0 8
+[POINTS]
+8
+0 0 0
+1 10 0
+2 10 8
+3 0 8
+4 4 3
+5 4 5
+6 6 5
+7 6 3
+[BORDER]
+4
+0 0
+1 1
+2 2
+3 3
+[NUM_HOLES]
+1
+[HOLE]
+0
+4
+0 4
+1 5
+2 6
+3 7
+"""
+
+ROOM = shapely.box(0, 0, 10, 8) - shapely.box(4, 3, 6, 5)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        MAP_POINTS,
+        NAMED,
+        NAMED.replace("\n", "\r\n"),
+        NAMED.replace("[HOLE]\n0\n4", "[HOLE]\n0 4"),
+        NAMED.replace("[HOLE]\n0\n4", "[HOLE] 0 4").replace("[NAME]\n", "[NAME] "),
+        NAMED.replace("0 4\n1 5\n2 6\n3 7", "0 7\n1 6\n2 5\n3 4"),
+    ],
+)
+def test_imr_polygons_by_indices(read, text):
+    world = read(text, ".txt")
+    assert world.free.equals(ROOM)
+    assert (world.name, world.origin) == ("world", "world.txt")
+
+
+def test_imr_heading_and_number_may_share_a_line(read):
+    world = read(IMR.replace("[SCALE]\n", "[SCALE] "), ".txt")
+    assert world.bounds == (0, 0, 10, 8)
+
+
+@pytest.mark.parametrize(
+    ("text", "old", "new", "message"),
+    [
+        (MAP_POINTS, "=MAP_POINTS", "=GRID", "line 2 is 'FORMAT=GRID'; the format is MAP_POINTS"),
+        (MAP_POINTS, "3 0 8", "4 0 8", "line 9: a point is a line index x y, .* the index 3"),
+        (MAP_POINTS, "3 0 8", "3 0", "line 9: a point is a line index x y"),
+        (MAP_POINTS, "6 7", "6 8", "line 23: 8 is no index of a point; they are 0 to 7"),
+        (MAP_POINTS, "6 7", "6 -1", "line 23: -1 is no index of a point"),
+        (MAP_POINTS, "6 7", "6 5.5", "line 23: 5.5 is no index of a point"),
+        (MAP_POINTS, "4 5\n6 7", "4 5", r"line 21: \[MAP_OBSTACLE\] is followed by at least three"),
+        (MAP_POINTS, "[MAP_BORDER]", "[MAP_OBSTACLE]", "has 0 borders; a map has one"),
+        (
+            MAP_POINTS,
+            "[MAP_BORDER]",
+            "[BORDER]",
+            r"\[BORDER\] does not belong to a layout with \[IN",
+        ),
+        (
+            MAP_POINTS,
+            "[MAP_POINTS]",
+            "[MAP_BORDER]",
+            r"has 0 sections \[MAP_POINTS\]; a map has one",
+        ),
+        (MAP_POINTS, "1 10 0", "1 1e9 0", r"line 15: \[MAP_BORDER\] has a coordinate beyond"),
+        (MAP_POINTS, "4 5\n6 7", "4 6\n5 7", r"line 21: \[MAP_OBSTACLE\] is not a valid polygon"),
+        (NAMED, "[POINTS]\n8", "[POINTS]\n9", r"\[POINTS\] says that 9 lines follow, and 8 do"),
+        (NAMED, "[POINTS]\n8", "[POINTS]\neight", "line 6 is 'eight'; it is made of finite"),
+        (NAMED, "[BORDER]\n4", "[BORDER]\n4.5", r"\[BORDER\] is followed by a line with one whole"),
+        (NAMED, "2 2\n", "2\n", "line 19: a vertex is a line position index"),
+        (NAMED, "2 2\n", "2 9\n", "line 19: 9 is no index of a point"),
+        (NAMED, "[NUM_HOLES]\n1", "[NUM_HOLES]\n2", r"line 21: \[NUM_HOLES\] is 2; the sections"),
+        (NAMED, "[HOLE]\n0", "[HOLE]\n1", r"line 21: \[NUM_HOLES\] is 1; the sections"),
+        (NAMED, "[HOLE]", "[OBSTACLE]", r"\[OBSTACLE\] does not belong to a layout with \[NAME\]"),
+        (
+            NAMED,
+            "[NUM_HOLES]",
+            "[HOLES]",
+            r"line 21 is '\[HOLES\]'; a polygon map has the sections",
+        ),
+    ],
+)
+def test_imr_fault_of_a_layout_is_named(read, text, old, new, message):
+    assert old in text
+    with pytest.raises(MapFormatError, match=message):
+        read(text.replace(old, new, 1), ".txt")

@@ -46,6 +46,7 @@ environments = st.one_of(
         path=words,
         resolution_m=st.none() | finite,
         threshold=st.none() | finite,
+        starts_from=st.none() | words,
     ),
     st.builds(
         InlineEnvironment, name=words, wkt=words, starts=st.tuples(st.tuples(finite, finite))
@@ -291,9 +292,8 @@ def test_a_suffix_a_folder_or_an_existing_path_means_a_file(tmp_path, monkeypatc
     monkeypatch.chdir(tmp_path)
     (tmp_path / "plan").write_text("a file")
     for text in ("plan", "plan.png", "maps/plan", str(tmp_path / "plan")):
-        assert environment_spec(text, resolution_m=0.1, threshold=0.5) == FileEnvironment(
-            path=text, resolution_m=0.1, threshold=0.5
-        )
+        options: dict[str, Any] = {"resolution_m": 0.1, "threshold": 0.5, "starts_from": "t.txt"}
+        assert environment_spec(text, **options) == FileEnvironment(path=text, **options)
 
 
 def test_unknown_environments_are_refused_with_a_suggestion():
@@ -315,8 +315,8 @@ def test_a_path_that_cannot_be_looked_up_is_no_file(monkeypatch):
         environment_spec("secret")
 
 
-def test_a_resolution_is_for_images():
-    for options in ({"resolution_m": 0.1}, {"threshold": 0.5}):
+def test_options_of_images_are_for_images():
+    for options in ({"resolution_m": 0.1}, {"threshold": 0.5}, {"starts_from": "team.txt"}):
         with pytest.raises(InvalidInputError, match="images"):
             environment_spec("office", **options)
 

@@ -31,6 +31,8 @@ def bad_worlds(folder: Path) -> None:
     (folder / "empty.wkt").write_text("")
     (folder / "folder.png").mkdir()
     (folder / "words.txt").write_text("words")
+    (folder / "team.txt").write_text("2 A 330 520 0.0 200 200 1000 Explorer 1 1")
+    (folder / "lost.world").write_text('model ( bitmap "cave.png" size [16 16 1] )')
     size = struct.pack(">IIBBBBB", 100_000, 100_000, 8, 0, 0, 0, 0)
     (folder / "huge.png").write_bytes(
         b"\x89PNG\r\n\x1a\n"
@@ -85,6 +87,10 @@ def bad_worlds(folder: Path) -> None:
         (["room.wkt", "--seed", "-1"], "seed"),
         (["room.wkt", "--resolution", "0.1"], "room.wkt"),
         (["open", "--resolution", "0.1"], "images"),
+        (["open", "--starts-from", "team.txt"], "images"),
+        (["room.wkt", "--starts-from", "team.txt"], "room.wkt is not a plain image"),
+        (["team.txt"], "with --starts-from and this file"),
+        (["lost.world"], "lost.world, line 1 names the bitmap cave.png, which is not in"),
         (["room.wkt", "--option", "colour=red"], "colour"),
         (["room.wkt", "--option", "alpha=much"], "alpha"),
         (["room.wkt", "--option", "alpha=7"], "alpha"),

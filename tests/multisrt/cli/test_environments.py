@@ -2,6 +2,7 @@ import re
 import xml.etree.ElementTree as ET
 
 import pytest
+from PIL import Image
 
 from multisrt.environments.catalog import names
 from tests.multisrt.cli.commands import everything
@@ -22,6 +23,18 @@ def test_environments_show_draws_a_map(call, folder):
     assert code == 0
     assert "9 x 6 m, 50 m2 free, 8 edges, 1 area" in out
     assert (folder / "p.svg").exists()
+
+
+def test_environments_show_draws_the_starts_of_a_team(call, folder):
+    Image.new("L", (60, 40), 255).save(folder / "plan.png")
+    (folder / "team.txt").write_text(
+        "1 Base 3 3 0.0 0 200 1000 BaseStation 1 1\n2 A 9 19 0.0 100 200 1000 Explorer 1 1\n"
+    )
+    words = ("environments", "show", "plan.png", "--resolution", "0.1", "--out")
+    assert call(*words, "plain.svg")[0] == 0
+    assert call(*words, "team.svg", "--starts-from", "team.txt")[0] == 0
+    plain, team = ((folder / name).read_text() for name in ("plain.svg", "team.svg"))
+    assert (plain.count(">suggested start<"), team.count(">suggested start<")) == (0, 1)
 
 
 @pytest.mark.parametrize("out", [".", "room.wkt/x.svg", "none/x.svg", "/"])

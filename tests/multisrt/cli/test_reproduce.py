@@ -189,6 +189,8 @@ def test_a_map_of_ones_own_takes_the_place_of_the_worlds(reproduce, folder):
     assert (code, "nowhere.wkt" in err) == (2, True)
     code, _, err = reproduce("sbx-r", "--resolution", "0.05")
     assert err.startswith("error: --resolution is for an image that --map names")
+    code, _, err = reproduce("sbx-r", "--starts-from", "team.txt")
+    assert err.startswith("error: --starts-from is for an image that --map names")
     (folder / "broken.wkt").write_text("POLYGON ((0 0")
     code, _, err = reproduce("sbx-r", "--quick", "--map", "broken.wkt")
     assert (code, err.count("\n")) == (2, 1)

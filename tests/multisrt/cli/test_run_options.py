@@ -2,6 +2,7 @@ from importlib import import_module
 from typing import get_args, get_type_hints
 
 import pytest
+from PIL import Image
 
 from multisrt.cli.run_options import DRIVES
 from multisrt.geometry.errors import InvalidInputError
@@ -96,6 +97,16 @@ def test_options_of_robots_that_differ(call):
     assert [robot.start for robot in starts.robots] == [(1.0, 1.0), (3.0, 3.0, 1.0)]
     two = spec_of(call, "room.wkt", "--robot", "range=2", "--robot", "range=3")
     assert [robot.range_finder.range_m for robot in two.robots] == [2.0, 3.0]
+
+
+def test_options_of_images_describe_the_environment(call, folder):
+    Image.new("L", (60, 40), 255).save(folder / "plan.png")
+    (folder / "team.txt").write_text("1 A 9 19 0.0 100 100 1000 Explorer 1 1")
+    words = ("--resolution", "0.1", "--threshold", "0.5", "--starts-from", "team.txt")
+    spec = spec_of(call, "plan.png", *words)
+    assert spec.environment == FileEnvironment(
+        path="plan.png", resolution_m=0.1, threshold=0.5, starts_from="team.txt"
+    )
 
 
 def test_options_not_given_have_the_defaults_of_the_specs(call):

@@ -5,11 +5,13 @@ import shutil
 import msgspec
 import pytest
 import shapely
+from PIL import Image
 
 from multisrt.environments.environment import Environment
 from multisrt.experiments import run_specs
 from multisrt.experiments.crossing import key_of, runs
 from multisrt.experiments.spec import ExperimentSpec
+from multisrt.geometry.errors import InvalidInputError
 from multisrt.simulation.starts import starts_of
 from multisrt.simulation.worlds import build_environment
 from multisrt.spec import CatalogEnvironment, EnvironmentSpec, FileEnvironment, InlineEnvironment
@@ -69,6 +71,19 @@ def test_paths_are_relative_to_the_experiment_file(tmp_path, monkeypatch):
     # A changed file is another run, even if the file was read before.
     (one / "maps" / "room.wkt").write_text(HALL)
     assert not {run.key for run in runs(spec, one)} & {run.key for run in there}
+
+
+def test_a_team_file_is_relative_to_the_experiment_file(tmp_path):
+    (tmp_path / "maps").mkdir()
+    Image.new("L", (60, 40), 255).save(tmp_path / "maps" / "hall.png")
+    (tmp_path / "maps" / "team.txt").write_text("1 A 9 19 0.0 100 100 1000 Explorer 1 1")
+    hall = {"name": "maps/hall.png", "resolution_m": 0.1, "starts_from": "maps/team.txt"}
+    (run,) = runs(experiment(environments=[hall], robots=[1]), tmp_path)
+    assert isinstance(run.spec.environment, InlineEnvironment)
+    (start,) = run.spec.environment.starts
+    assert start == pytest.approx((0.95, 2.05))
+    with pytest.raises(InvalidInputError, match=r"none\.txt does not exist"):
+        runs(experiment(environments=[hall | {"starts_from": "none.txt"}]), tmp_path)
 
 
 def test_a_name_of_the_catalogue_is_not_a_file(tmp_path):
@@ -186,7 +201,7 @@ def test_given_starts_are_used_in_order():
         ),
         (
             {"environments": [{"name": "open", "resolution_m": 0.1}]},
-            "'open' is an environment of the catalogue: a resolution or a threshold is for images",
+            "'open' is an environment of the catalogue: a resolution, a threshold or a team",
         ),
         (
             {"robots": [3], "starts": [{"places": [[1, 1], [2, 2]]}]},

@@ -115,6 +115,10 @@ def test_a_preset_takes_another_map(tmp_path):
     assert world.name == "hall"
     assert preset.deviations[0].text == "World: the map hall.wkt, not that of the paper."
     assert sum(one.text.startswith("World:") for one in preset.deviations) == 1
+    with_team = PRESETS["sbx-r"].with_map(Path("plans/plan.png"), 0.05, "teams/team.txt")
+    (choice,) = with_team.experiment(True).environments
+    assert isinstance(choice, EnvironmentChoice)
+    assert (choice.resolution_m, choice.starts_from) == (0.05, "teams/team.txt")
     other = dataclasses.replace(preset, on_map=None)
     with pytest.raises(InvalidInputError, match="cannot be run on another map; leave out --map"):
         other.with_map(path)

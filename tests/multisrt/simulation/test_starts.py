@@ -61,6 +61,16 @@ def test_one_robot_starts_where_the_world_suggests():
     assert starts(world, team(1)) == (Configuration(2, 2, 0),)
 
 
+def test_a_suggested_start_without_room_is_passed_over():
+    world = Environment("hall", HALL.free, starts=[(0.1, 4), (0.3, 0.2), (6, 6), (2, 2)])
+    assert starts(world, team(1)) == (Configuration(6, 6, 0),)
+    assert starts(world, team(1, footprint="disc:0.05")) == (Configuration(0.1, 4, 0),)
+    first, _ = starts(world, team(2), starts="clustered")
+    assert first == Configuration(6, 6, 0)
+    with pytest.raises(ClearanceError, match=r"start \(0\.1, 4\) .* clearance there is 0\.1 m"):
+        starts(world, team(1, footprint="disc:3"))
+
+
 def test_a_single_robot_starts_at_random_where_it_has_room():
     (start,) = starts(HALL, team(1), seed=5)
     room = shapely.box(0.275, 0.275, 11.725, 7.725)

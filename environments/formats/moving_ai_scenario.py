@@ -1,0 +1,180 @@
+"""Scenarios of the MovingAI benchmarks: start positions on a grid map."""
+
+import re
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+from typing import Final
+
+from multisrt.environments.environment import Environment
+from multisrt.environments.formats.files import (
+    MAX_CELLS,
+    MAX_STARTS,
+    build_environment,
+    grid_polygons,
+    named_file,
+    read_text,
+    refuse_threshold,
+    require_resolution,
+    shown,
+)
+from multisrt.environments.formats.map_format import Beginning, MapFormat
+from multisrt.environments.formats.moving_ai import read_cells
+from multisrt.geometry.errors import MapFormatError
+from multisrt.geometry.numerics.kernel import BoolArray
+
+FIELDS: Final = "bucket, map, map width, map height, start x, start y, goal x, goal y, length"
+"""The fields of a line."""
+
+VERSIONS: Final = ("1", "1.0")
+"""Versions that are read."""
+
+
+def read_moving_ai_scenario(
+    path: Path,
+    *,
+    resolution_m: float | None = None,
+    threshold: float | None = None,
+    name: str | None = None,
+) -> Environment:
+    r"""Read a ``.scen`` file: the grid map that it names, with its starts as suggested ones.
+
+    The starts are the centres of the cells in which the problems of the scenario start, in its
+    order, each once, at most a thousand. Goals are not used.
+
+    Parameters
+    ----------
+    path : Path
+        A line ``version 1``, then a line for each problem. The map is looked for by the path
+        that the lines give, relative to the folder of the scenario, and else by its name beside
+        the scenario.
+    resolution_m : float
+        Side of a cell of the map in metres; see `read_moving_ai`.
+    threshold
+        Rejected: a cell is free or not.
+    name : str, optional
+        By default the file's name without suffix.
+
+    Raises
+    ------
+    MapFormatError
+        If the version is another one, a line has other fields, the map is missing, outside the
+        folder or not readable, lines name several maps, or a start is not in a free cell.
+
+    Notes
+    -----
+    Source: N. Sturtevant, Benchmarks for grid-based pathfinding, 2012, and the page on file
+    formats of the benchmarks. Where the width and height of a line are not those of the map, its
+    positions count in a grid of that size over the map, and a start is the cell of the map in
+    which the centre of its cell lies.
+
+    Examples
+    --------
+    >>> with open("room.map", "w") as file:
+    ...     _ = file.write("\n".join(["type octile", "height 2", "width 3", "map", "..@", "..."]))
+    >>> with open("room.scen", "w") as file:
+    ...     _ = file.write("version 1\n0 room.map 3 2 0 1 1 0 1.41421")
+    >>> read_moving_ai_scenario(Path("room.scen"), resolution_m=0.5).starts
+    ((0.25, 0.25),)
+    """
+    refuse_threshold(path, threshold)
+    resolution_m = require_resolution(path, resolution_m)
+    problems = _problems(path)
+    map_path = _map_path(path, problems[0])
+    cells = read_cells(map_path)
+    height, _ = cells.shape
+    starts = dict.fromkeys(_start(cells, problem, map_path) for problem in problems)
+    return build_environment(
+        path,
+        grid_polygons(map_path, cells, resolution_m),
+        name=name,
+        origin=f"{path.name} with {map_path.name} at {resolution_m:g} m per cell",
+        starts=[
+            ((column + 0.5) * resolution_m, (height - row - 0.5) * resolution_m)
+            for column, row in list(starts)[:MAX_STARTS]
+        ],
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class _Problem:
+    """A line: its place, the map, the size of the grid, and the start in it from the top left."""
+
+    place: str
+    map: str
+    size: tuple[int, int]
+    start: tuple[int, int]
+
+
+def _problems(path: Path) -> list[_Problem]:
+    lines = read_text(path).splitlines()
+    version = lines[0].split() if lines else []
+    if len(version) != 2 or version[0].lower() != "version" or version[1] not in VERSIONS:
+        raise MapFormatError(
+            f"{path}, line 1 is {shown(lines[0] if lines else '')}; "
+            "scenarios are read in version 1, whose first line is version 1"
+        )
+    problems = [
+        _problem(f"{path}, line {number}", line)
+        for number, line in enumerate(lines[1:], start=2)
+        if line.strip()
+    ]
+    if not problems:
+        raise MapFormatError(f"{path} has no problem, and so no map; add a line {FIELDS}")
+    for problem in problems:
+        if problem.map != problems[0].map:
+            raise MapFormatError(
+                f"{problem.place} names the map {shown(problem.map)}, and line 2 "
+                f"{shown(problems[0].map)}; keep the problems of one map in a file"
+            )
+    return problems
+
+
+def _problem(place: str, line: str) -> _Problem:
+    # Names of maps may contain spaces where tabs separate the fields.
+    fields = [word.strip() for word in line.split("\t")] if "\t" in line else line.split()
+    numbers = [*fields[2:6]]
+    if len(fields) != 9 or not all(re.fullmatch(r"[0-9]{1,8}", word) for word in numbers):
+        raise MapFormatError(f"{place} is {shown(line)}; it has the fields {FIELDS}")
+    width, height, x, y = (int(word) for word in numbers)
+    if not (x < width and y < height and width * height <= MAX_CELLS):
+        raise MapFormatError(
+            f"{place}: the start ({x}, {y}) is not in a grid of {width} x {height} cells, of at "
+            f"most {MAX_CELLS:,}"
+        )
+    return _Problem(place, fields[1], (width, height), (x, y))
+
+
+def _map_path(path: Path, problem: _Problem) -> Path:
+    for name in (problem.map, PurePosixPath(problem.map).name):
+        found = named_file(path.parent, name, problem.place)
+        if found.is_file():
+            return found
+    raise MapFormatError(
+        f"{problem.place} names the map {problem.map}, which is not in {path.parent}; "
+        "copy it there or correct the name"
+    )
+
+
+def _start(cells: BoolArray, problem: _Problem, map_path: Path) -> tuple[int, int]:
+    """Return the column and row of the map's cell in which a problem starts."""
+    (height, width), (x, y) = cells.shape, problem.start
+    column = (2 * x + 1) * width // (2 * problem.size[0])
+    row = (2 * y + 1) * height // (2 * problem.size[1])
+    if not cells[row, column]:
+        raise MapFormatError(
+            f"{problem.place}: the start ({x}, {y}) is not in a free cell of {map_path.name}; "
+            "is it the map of this scenario?"
+        )
+    return column, row
+
+
+def _is_scenario(beginning: Beginning) -> bool:
+    return re.match(r"\s*version\s+\d+(\.\d+)?\s*\n", beginning.text, re.IGNORECASE) is not None
+
+
+MOVING_AI_SCENARIO = MapFormat(
+    name="MovingAI scenario",
+    suffixes=(".scen",),
+    recognises=_is_scenario,
+    read=read_moving_ai_scenario,
+)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable, Mapping
+from typing import Any
 
 import shapely
 from shapely import LinearRing
@@ -40,11 +42,12 @@ def wkt_bytes(environment: Environment) -> bytes:
 
 
 def _ring(ring: LinearRing) -> str:
-    positions = (f"{_digits(x)} {_digits(y)}" for x, y in shapely.get_coordinates(ring).tolist())
+    positions = (f"{digits(x)} {digits(y)}" for x, y in shapely.get_coordinates(ring).tolist())
     return f"({', '.join(positions)})"
 
 
-def _digits(value: float) -> str:
+def digits(value: float) -> str:
+    """Return the shortest text of a number that is read as the same number."""
     return repr(value).removesuffix(".0")
 
 
@@ -83,17 +86,32 @@ def geojson_bytes(environment: Environment) -> bytes:
         )
     shapes = [(part, "free") for part in environment.free.geoms]
     shapes += [(shapely.Point(start), "start") for start in environment.starts]
-    features = ",\n".join(
-        json.dumps(
-            {
-                "type": "Feature",
-                "properties": {"kind": kind},
-                "geometry": shapely.geometry.mapping(shape),
-            }
-        )
-        for shape, kind in shapes
+    return collection_bytes(
+        environment.name,
+        [({"kind": kind}, shapely.geometry.mapping(shape)) for shape, kind in shapes],
     )
-    beginning = (
-        f'{{"type": "FeatureCollection", "name": {json.dumps(environment.name)}, "features": ['
+
+
+def collection_bytes(
+    name: str, features: Iterable[tuple[Mapping[str, Any], Mapping[str, Any]]]
+) -> bytes:
+    """Return a FeatureCollection of GeoJSON, a feature in a line.
+
+    Parameters
+    ----------
+    name : str
+        What it shows.
+    features : iterable of (properties, geometry)
+        The features, as JSON.
+    """
+    lines = ",\n".join(
+        json.dumps({"type": "Feature", "properties": properties, "geometry": geometry})
+        for properties, geometry in features
     )
-    return f"{beginning}\n{features}\n]}}\n".encode()
+    beginning = f'{{"type": "FeatureCollection", "name": {json.dumps(name)}, "features": ['
+    return f"{beginning}\n{lines}\n]}}\n".encode()
+
+
+def printable(text: str) -> str:
+    """Return a text in one line, without the control characters that XML has no way to write."""
+    return "".join(sign if sign.isprintable() else "\N{REPLACEMENT CHARACTER}" for sign in text)

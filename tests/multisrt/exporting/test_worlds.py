@@ -66,7 +66,7 @@ def test_equal_worlds_give_equal_bytes(tmp_path):
     [
         ("rooms.geojsn", "did you mean '.geojson'"),
         ("rooms", "no suffix says the format"),
-        ("rooms.mcap", "'.mcap' is no format of worlds"),
+        ("rooms.mcap", "'.mcap' is no format of maps"),
         ("nowhere/rooms.wkt", "cannot write"),
     ],
 )

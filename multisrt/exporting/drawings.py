@@ -43,8 +43,8 @@ def svg_bytes(environment: Environment) -> bytes:
     Examples
     --------
     >>> hall = Environment("hall", shapely.box(0, 0, 4, 3))
-    >>> [line for line in svg_bytes(hall).decode().splitlines() if "path" in line]
-    ['<path class="free" d="M0 -0L4 -0L4 -3L0 -3Z"/>']
+    >>> print(svg_bytes(hall).decode().splitlines()[-2].partition(" d=")[2])
+    "M0 0L4 0L4 -3L0 -3Z"/>
 
     Notes
     -----
@@ -59,21 +59,22 @@ def svg_bytes(environment: Environment) -> bytes:
         f'viewBox="{" ".join(f"{value:.6g}" for value in box)}">',
         f"<title>{escape(printable(environment.name))}</title>",
         "<desc>User units are metres, y is negated.</desc>",
-        f"<style>.free {{fill: #f2f2f2; fill-rule: evenodd; stroke: #1a1a1a; stroke-width: "
-        f"{side / 400.0:.3g}}} .start {{fill: #d55e00}}</style>",
     ]
+    pen = f"{side / 400.0:.3g}"
+    style = f'fill="#f2f2f2" fill-rule="evenodd" stroke="#1a1a1a" stroke-width="{pen}"'
     for part in environment.free.geoms:
         data = "".join(_ring(ring) for ring in (part.exterior, *part.interiors))
-        lines.append(f'<path class="free" d="{data}"/>')
+        lines.append(f'<path class="free" {style} d="{data}"/>')
+    style = f'fill="#d55e00" r="{side / 150.0:.3g}"'
     for x, y in environment.starts:
-        radius = f"{side / 150.0:.3g}"
-        lines.append(f'<circle class="start" cx="{digits(x)}" cy="{digits(-y)}" r="{radius}"/>')
+        place = f'cx="{digits(x)}" cy="{digits(0.0 - y)}"'
+        lines.append(f'<circle class="start" {style} {place}/>')
     return ("\n".join([*lines, "</svg>"]) + "\n").encode()
 
 
 def _ring(ring: LinearRing) -> str:
     corners = shapely.get_coordinates(ring)[:-1].tolist()
-    return "M" + "L".join(f"{digits(x)} {digits(-y)}" for x, y in corners) + "Z"
+    return "M" + "L".join(f"{digits(x)} {digits(0.0 - y)}" for x, y in corners) + "Z"
 
 
 def dxf_bytes(environment: Environment) -> bytes:

@@ -125,7 +125,9 @@ def world_content(
 
 def _union(corners: Iterable[FloatArray]) -> shapely.MultiPolygon:
     regions = shapely.make_valid(np.array([shapely.Polygon(own) for own in corners], np.object_))
-    area = shapely.union_all(shapely.set_precision(regions, GRID_M), grid_size=GRID_M)
+    # Rounding of slivers in GEOS divides by zero without consequence.
+    with np.errstate(divide="ignore", invalid="ignore"):
+        area = shapely.union_all(shapely.set_precision(regions, GRID_M), grid_size=GRID_M)
     parts = shapely.get_parts(area)
     return shapely.MultiPolygon([part for part in parts if part.geom_type == "Polygon"])
 

@@ -81,11 +81,13 @@ def joined(area: BaseGeometry, grid_m: float) -> MultiPolygon:
 
     A solid over rings that touch has an upright edge of four faces, and is not watertight.
     """
-    snapped = _polygons(shapely.set_precision(area, grid_m))
-    while len(points := _touching(snapped)):
-        half = 2.0 * grid_m
-        squares = shapely.box(*(points - half).T, *(points + half).T)
-        snapped = _polygons(shapely.union_all([snapped, *squares], grid_size=grid_m))
+    # Rounding of slivers in GEOS divides by zero without consequence.
+    with np.errstate(divide="ignore", invalid="ignore"):
+        snapped = _polygons(shapely.set_precision(area, grid_m))
+        while len(points := _touching(snapped)):
+            half = 2.0 * grid_m
+            squares = shapely.box(*(points - half).T, *(points + half).T)
+            snapped = _polygons(shapely.union_all([snapped, *squares], grid_size=grid_m))
     return snapped
 
 

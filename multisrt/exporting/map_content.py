@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 import shapely
 from shapely import MultiLineString
+from shapely.geometry.base import BaseGeometry
 
 from multisrt.environments.environment import Environment
 from multisrt.exporting.grids import Cells
@@ -18,6 +19,9 @@ from multisrt.geometry.regions.safe_region import LocalSafeRegion
 
 MIN_CELL_M, MAX_CELL_M = 1e-3, 1e3
 """Bounds of the width of a cell, in metres."""
+
+SURFACE_M = 1e-4
+"""Distance within which an edge of known space lies on a surface, in metres."""
 
 MIN_LENGTH_M, MAX_LENGTH_M = 1e-2, 1e3
 """Bounds of the height and thickness of walls, in metres."""
@@ -124,14 +128,17 @@ class MapContent:
     regions: tuple[LocalSafeRegion, ...] | None = None
     lines: tuple[Line, ...] = field(default=())
 
-    def surfaces(self) -> MultiLineString:
-        """Return the surfaces that robots have seen, as lines in metres."""
+    def surfaces(self) -> BaseGeometry:
+        """Return those edges of the known free space that are surfaces seen, as lines in metres."""
         assert self.regions is not None
-        segments: list[FloatArray] = []
+        seen: list[FloatArray] = []
         for region in self.regions:
             corners = region.boundary
             ends = np.stack([corners, np.roll(corners, -1, axis=0)], axis=1)
-            segments.append(ends[region.tags == OBSTACLE])
-        found = np.concatenate(segments) if segments else np.empty((0, 2, 2))
-        found = found[(found[:, 0] != found[:, 1]).any(axis=1)]
-        return MultiLineString(list(shapely.linestrings(found)))
+            seen.append(ends[region.tags == OBSTACLE])
+        edges = self.environment.edges
+        middles = shapely.points(0.5 * (edges[:, :2] + edges[:, 2:]))
+        tree = shapely.STRtree(shapely.linestrings(np.concatenate(seen)))
+        near, _ = tree.query(middles, predicate="dwithin", distance=SURFACE_M)
+        lines = shapely.linestrings(edges[np.unique(near)].reshape(-1, 2, 2))
+        return shapely.line_merge(MultiLineString(list(lines)))

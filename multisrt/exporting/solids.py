@@ -28,10 +28,13 @@ MAX_GRID_M: Final = 1e-3
 SINGLE_DIGITS: Final = 22
 """Binary digits of coordinates in single precision, as in these files, with one to spare."""
 
+MAX_CUTS: Final = 20
+"""Upper bound of how often points are looked for at which rings touch; one or two are enough."""
+
 FLOOR_M: Final = 0.02
 """Thickness of the floor, which lies below z = 0."""
 
-RIBBONS_M: Final = {"edges": (0.05, 0.02, 0.06), "paths": (0.10, 0.02, 0.03)}
+RIBBONS_M: Final = {"edges": (0.05, 0.02, 0.10), "paths": (0.10, 0.02, 0.05)}
 """Height above the floor, thickness and width of ribbons by layer, in metres."""
 
 WALL_COLOUR, FLOOR_COLOUR = (0.35, 0.35, 0.35, 1.0), (0.93, 0.93, 0.93, 1.0)
@@ -52,7 +55,7 @@ def walls_of(content: MapContent, thickness_m: float) -> MultiPolygon:
     MultiPolygon
         Of a true world: its obstacles, and a wall around each component. Of what robots knew: a
         wall behind each surface that was seen; there is none between the known and the unknown.
-        Corners are rounded to `GRID_M`, and walls that touch at a point are joined there by a
+        Corners are rounded to `GRID_M`, and walls that touch at a point are separated there by a
         square of four times that width.
 
     Raises
@@ -73,21 +76,25 @@ def walls_of(content: MapContent, thickness_m: float) -> MultiPolygon:
         solid = shapely.union_all(shapely.buffer(filled, thickness_m, join_style="mitre"))
     else:
         solid = content.surfaces().buffer(thickness_m, cap_style="flat", join_style="mitre")
-    return joined(solid.difference(free), _grid_m(content))
+    return apart(solid.difference(free), _grid_m(content))
 
 
-def joined(area: BaseGeometry, grid_m: float) -> MultiPolygon:
+def apart(area: BaseGeometry, grid_m: float) -> MultiPolygon:
     """Return polygons with corners on a grid whose rings do not touch, at points neither.
 
-    A solid over rings that touch has an upright edge of four faces, and is not watertight.
+    A solid over rings that touch has an upright edge of four faces, and is not watertight. Where
+    rings touch, a square of four widths of the grid is cut out.
     """
     # Rounding of slivers in GEOS divides by zero without consequence.
     with np.errstate(divide="ignore", invalid="ignore"):
         snapped = _polygons(shapely.set_precision(area, grid_m))
-        while len(points := _touching(snapped)):
+        for _ in range(MAX_CUTS):
+            points = _touching(snapped)
+            if not len(points):
+                break
             half = 2.0 * grid_m
-            squares = shapely.box(*(points - half).T, *(points + half).T)
-            snapped = _polygons(shapely.union_all([snapped, *squares], grid_size=grid_m))
+            squares = shapely.union_all(shapely.box(*(points - half).T, *(points + half).T))
+            snapped = _polygons(shapely.difference(snapped, squares, grid_size=grid_m))
     return snapped
 
 
@@ -155,7 +162,7 @@ def glb_bytes(content: MapContent, options: MapOptions) -> bytes:
     walls = walls_of(content, options.thickness_m)
     if not walls.is_empty:
         _add(scene, "walls", _prism(walls, 0.0, options.height_m, "walls"), WALL_COLOUR)
-    floor = joined(content.environment.free, grid_m)
+    floor = apart(content.environment.free, grid_m)
     _add(scene, "floor", _prism(floor, -FLOOR_M, 0.0, "the floor"), FLOOR_COLOUR)
     for line in content.lines:
         name = f"robot_{line.robot}_{line.layer}"
@@ -191,7 +198,7 @@ def _grid_m(content: MapContent) -> float:
 def _ribbon(layer: str, lines: Iterable[Line], grid_m: float) -> Trimesh:
     above_m, thickness_m, width_m = RIBBONS_M[layer]
     pieces = shapely.union_all([line.pieces for line in lines])
-    area = joined(pieces.buffer(width_m / 2.0, quad_segs=2), grid_m)
+    area = apart(pieces.buffer(width_m / 2.0, quad_segs=2), grid_m)
     return _prism(area, above_m, above_m + thickness_m, f"the {layer}")
 
 

@@ -20,7 +20,7 @@ from multisrt.exporting.drawings import dxf_bytes, svg_bytes
 from multisrt.exporting.map_content import MapContent
 from multisrt.exporting.map_server import map_server_files
 from multisrt.exporting.polygon_text import geojson_bytes, wkt_bytes
-from multisrt.exporting.solids import glb_bytes, joined, stl_bytes, walls_of
+from multisrt.exporting.solids import apart, glb_bytes, stl_bytes, walls_of
 from tests.multisrt.exporting.small_worlds import area_of_difference, small_worlds
 
 CATALOGUE = ["office", "maze", "garden", "hospital", "museum"]
@@ -246,14 +246,14 @@ def test_glb_is_upright_and_at_its_place():
     assert scene.geometry["walls"].bounds.round(6).tolist() == [[0.9, 0, -4.1], [5.1, 1, -1.9]]
 
 
-def test_walls_that_touch_at_a_corner_are_joined():
+def test_walls_that_touch_at_a_corner_are_separated():
     pillars = [shapely.box(2, 2, 3, 3), shapely.box(3, 3, 4, 4)]
     world = ms.Environment.from_outline("corner", shapely.box(0, 0, 8, 8), pillars)
     content = MapContent(environment=world)
     stl = trimesh.load_mesh(io.BytesIO(stl_bytes(content, MapOptions())), file_type="stl")
     assert stl.is_watertight
     walls = walls_of(content, 0.1)
-    assert len(walls.geoms) == 2
+    assert len(walls.geoms) == 3
     assert walls.area == pytest.approx(8.2**2 - 62.0, abs=1e-6)
 
 
@@ -261,7 +261,7 @@ def test_rings_that_touch_along_another_are_found():
     tooth = shapely.Polygon([(2, 1), (3, 0), (3, 1)])
     area = shapely.box(0, 0, 4, 4) - shapely.Polygon([(1, 2), (2, 0), (3, 2)])
     for own in (area, shapely.MultiPolygon([shapely.box(0, 0, 4, 0.0 + 4) - tooth])):
-        found = joined(own, 1e-4)
+        found = apart(own, 1e-4)
         coordinates = shapely.get_coordinates(shapely.boundary(found))
         rings = sum(1 + len(part.interiors) for part in found.geoms)
         assert len(np.unique(coordinates, axis=0)) == len(coordinates) - rings

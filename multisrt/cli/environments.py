@@ -27,7 +27,7 @@ def _meant(words: Sequence[str]) -> Sequence[str]:
 @click.group(cls=CommandGroup, meant=_meant, invoke_without_command=True)
 @click.pass_context
 def environments(context: click.Context) -> None:
-    """List the environments of the catalogue, draw one, or write it as a map.
+    """List the environments of the catalogue; draw or export one.
 
     \b
     Examples:

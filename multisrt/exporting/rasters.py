@@ -30,7 +30,7 @@ ROUNDING_CELLS: Final = 1e-6
 
 
 def raster_of(content: MapContent, cell_m: float | None) -> Raster:
-    """Return a map as cells, whose corners are at multiples of their width.
+    """Return a map as cells.
 
     Parameters
     ----------
@@ -43,9 +43,10 @@ def raster_of(content: MapContent, cell_m: float | None) -> Raster:
     Returns
     -------
     Raster
-        Its cells, with one more around what is known. Cells of a true world are free or
-        occupied, as in `world_cells`; those of what robots knew are free if their centre lies in a
-        region, occupied if a surface that was seen passes through them, and else unknown.
+        Its cells, with at least one more around what is known. Cells of a true world are free
+        or occupied, as in `world_cells`, and their corners are at multiples of their width. Those
+        of what robots knew are free if their centre lies in a region, occupied if a surface that
+        was seen passes through them, and else unknown, as in `Occupancy`.
 
     Raises
     ------
@@ -70,18 +71,28 @@ def raster_of(content: MapContent, cell_m: float | None) -> Raster:
             f"a map of {columns} x {rows} cells is larger than the {MAX_CELLS:,} that are read: "
             f"choose cells wider than {chosen_m:g} m"
         )
+    if content.regions is not None:
+        return _known(content, chosen_m)
     row, column = (_first(low, chosen_m) for low in (bounds[1], bounds[0]))
-    if content.regions is None:
-        cells = world_cells(content.environment, chosen_m, (row, column), (rows, columns))
-    else:
-        known = Occupancy(chosen_m, chosen_m, bounds)
-        for region in content.regions:
-            known.add(region)
-        found = values_of(known.cells)
-        top, left = row - known.row, column - known.column
-        cells = found[top : top + rows, left : left + columns]
-        assert cells.shape == (rows, columns)
+    cells = world_cells(content.environment, chosen_m, (row, column), (rows, columns))
     return Raster(cells, column * chosen_m, row * chosen_m, chosen_m)
+
+
+def _known(content: MapContent, cell_m: float) -> Raster:
+    assert content.regions is not None
+    x0, y0, x1, y1 = content.environment.bounds
+    beyond_m = MARGIN_CELLS * cell_m
+    bounds = x0 - beyond_m, y0 - beyond_m, x1 + beyond_m, y1 + beyond_m
+    known = Occupancy(cell_m, cell_m, bounds)
+    for region in content.regions:
+        known.add(region)
+    (bottom, left), (top, right) = (known.cell_of(*corner) for corner in (bounds[:2], bounds[2:]))
+    own = (
+        slice(bottom - known.row, top - known.row + 1),
+        slice(left - known.column, right - known.column + 1),
+    )
+    x, y = known.centre_of(bottom, left)
+    return Raster(values_of(known.cells[own]), x - 0.5 * cell_m, y - 0.5 * cell_m, cell_m)
 
 
 def _first(low: float, cell_m: float) -> int:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -155,8 +155,8 @@ def export(
     from multisrt.simulation.worlds import build_environment, environment_spec
     from multisrt.terminal import LiveLine
 
-    given = {"cell_m": cell_m, "height_m": height_m}
-    given = {name: value for name, value in given.items() if value is not None}
+    sizes = {"cell_m": cell_m, "height_m": height_m}
+    given: dict[str, Any] = {name: m for name, m in sizes.items() if m is not None}
     for name in given:
         if name not in map_writer(out).options:
             option = "--cell" if name == "cell_m" else "--height"

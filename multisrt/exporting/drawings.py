@@ -11,15 +11,20 @@ from xml.sax.saxutils import escape
 
 import shapely
 from shapely import LinearRing, Polygon
+from shapely.geometry.base import BaseGeometry
 
 from multisrt.environments.environment import Environment
 from multisrt.exporting.polygon_text import digits, printable
+from multisrt.extras import extra
 
 OUTLINE, OBSTACLES, STARTS = "OUTLINE", "OBSTACLES", "STARTS"
 """Layers of a DXF file: rings around free space, rings around obstacles in it, and points."""
 
 LAYER_COLOURS: Final = {OUTLINE: 7, OBSTACLES: 1, STARTS: 3}
 """Colours of the layers by their number in AutoCAD: black or white, red, green."""
+
+COORDINATES: Final = "Coordinates of the layer 'map' are metres, y up."
+"""Description of an SVG document, as in the pictures of the package."""
 
 MARGIN: Final = 0.02
 """Margin around a drawing, as a share of its larger side."""
@@ -30,10 +35,10 @@ _OPTIONS_LOCK = threading.Lock()
 def svg_bytes(environment: Environment) -> bytes:
     """Return a world as an SVG document of its outlines alone, with metres as user units.
 
-    Free space is one path of class ``free`` for each component, filled by the even-odd rule, with
-    the obstacles as further rings; suggested starts are circles of class ``start``. SVG counts y
-    downwards: a corner (x, y) is written as x, -y, with all digits, and no element is transformed.
-    For a picture with legend see `multisrt.drawing.environment_svg`.
+    In the group ``map``, which turns y up, free space is one path of class ``free`` for each
+    component, filled by the even-odd rule, with the obstacles as further rings; suggested starts
+    are circles of class ``start``. Coordinates are those of the world, with all digits. For a
+    picture with legend see `multisrt.drawing.environment_svg`.
 
     Parameters
     ----------
@@ -43,8 +48,8 @@ def svg_bytes(environment: Environment) -> bytes:
     Examples
     --------
     >>> hall = Environment("hall", shapely.box(0, 0, 4, 3))
-    >>> print(svg_bytes(hall).decode().splitlines()[-2].partition(" d=")[2])
-    "M0 0L4 0L4 -3L0 -3Z"/>
+    >>> print(svg_bytes(hall).decode().splitlines()[-3].partition(" d=")[2])
+    "M0 0L4 0L4 3L0 3Z"/>
 
     Notes
     -----
@@ -56,38 +61,43 @@ def svg_bytes(environment: Environment) -> bytes:
     box = (x0 - margin, -y1 - margin, x1 - x0 + 2.0 * margin, y1 - y0 + 2.0 * margin)
     lines = [
         '<svg xmlns="http://www.w3.org/2000/svg" '
-        f'viewBox="{" ".join(f"{value:.6g}" for value in box)}">',
+        f'viewBox="{" ".join(f"{value:.9g}" for value in box)}">',
         f"<title>{escape(printable(environment.name))}</title>",
-        "<desc>User units are metres, y is negated.</desc>",
+        f"<desc>{COORDINATES}</desc>",
+        '<g id="map" transform="scale(1 -1)">',
     ]
-    pen = f"{side / 400.0:.3g}"
-    style = f'fill="#f2f2f2" fill-rule="evenodd" stroke="#1a1a1a" stroke-width="{pen}"'
+    style = f'fill="#f2f2f2" fill-rule="evenodd" stroke="#1a1a1a" stroke-width="{side / 400.0:.3g}"'
     for part in environment.free.geoms:
         data = "".join(_ring(ring) for ring in (part.exterior, *part.interiors))
         lines.append(f'<path class="free" {style} d="{data}"/>')
     style = f'fill="#d55e00" r="{side / 150.0:.3g}"'
     for x, y in environment.starts:
-        place = f'cx="{digits(x)}" cy="{digits(0.0 - y)}"'
-        lines.append(f'<circle class="start" {style} {place}/>')
-    return ("\n".join([*lines, "</svg>"]) + "\n").encode()
+        lines.append(f'<circle class="start" {style} cx="{digits(x)}" cy="{digits(y)}"/>')
+    return ("\n".join([*lines, "</g>", "</svg>"]) + "\n").encode()
 
 
 def _ring(ring: LinearRing) -> str:
     corners = shapely.get_coordinates(ring)[:-1].tolist()
-    return "M" + "L".join(f"{digits(x)} {digits(0.0 - y)}" for x, y in corners) + "Z"
+    return "M" + "L".join(f"{digits(x)} {digits(y)}" for x, y in corners) + "Z"
 
 
 def dxf_bytes(environment: Environment) -> bytes:
     """Return a world as a DXF file of AutoCAD 2010, in metres.
 
     Rings are closed LWPOLYLINE entities: those around free space on the layer `OUTLINE`, those
-    around obstacles on the layer `OBSTACLES`. Suggested starts are POINT entities on the layer
+    around obstacles on the layer `OBSTACLES`; an obstacle around another component of free space is
+    cut into several rings. Suggested starts are POINT entities on the layer
     `STARTS`, in their order. Coordinates have all digits.
 
     Parameters
     ----------
     environment : Environment
         The world.
+
+    Raises
+    ------
+    MissingExtraError
+        If ezdxf is not installed (``multisrt[dxf]``).
 
     Examples
     --------
@@ -100,8 +110,9 @@ def dxf_bytes(environment: Environment) -> bytes:
     Source: Autodesk, DXF Reference; the file is written by ezdxf. Times and identifiers of the
     file are constant, so that equal worlds give equal bytes.
     """
-    import ezdxf
-    from ezdxf import units
+    with extra("dxf", "a DXF file"):
+        import ezdxf
+        from ezdxf import units
 
     with _constant_metadata():
         document = ezdxf.new("R2010", units=units.M)
@@ -110,7 +121,7 @@ def dxf_bytes(environment: Environment) -> bytes:
         model = document.modelspace()
         for layer, rings in (
             (OUTLINE, [part.exterior for part in environment.free.geoms]),
-            (OBSTACLES, _holes(environment.free.geoms)),
+            (OBSTACLES, _obstacle_rings(environment.free.geoms)),
         ):
             for ring in rings:
                 corners = shapely.get_coordinates(ring)[:-1].tolist()
@@ -122,8 +133,34 @@ def dxf_bytes(environment: Environment) -> bytes:
     return document.encode(text.getvalue())
 
 
-def _holes(parts: Iterable[Polygon]) -> list[LinearRing]:
-    return [hole for part in parts for hole in part.interiors]
+def _obstacle_rings(parts: Iterable[Polygon]) -> list[LinearRing]:
+    """Return rings around obstacles; one with free space inside is cut into several without."""
+    outlines = [Polygon(part.exterior) for part in parts]
+    rings: list[LinearRing] = []
+    for hole in (Polygon(ring) for part in parts for ring in part.interiors):
+        inner = [outline for outline in outlines if hole.contains(outline)]
+        if not inner:
+            rings.append(hole.exterior)
+            continue
+        pieces: list[BaseGeometry] = [hole.difference(shapely.union_all(inner))]
+        while pieces:
+            piece = pieces.pop()
+            if not isinstance(piece, Polygon):
+                pieces += [one for one in shapely.get_parts(piece) if one.area > 0.0]
+            elif piece.interiors:
+                pieces += _halves(piece)
+            else:
+                rings.append(piece.exterior)
+    return rings
+
+
+def _halves(polygon: Polygon) -> list[BaseGeometry]:
+    """Return the parts of a polygon on both sides of the middle of one of its holes."""
+    x0, y0, x1, y1 = polygon.bounds
+    low, _, high, _ = polygon.interiors[0].bounds
+    middle = 0.5 * (low + high)
+    sides = shapely.box(x0, y0, middle, y1), shapely.box(middle, y0, x1, y1)
+    return [polygon.intersection(side) for side in sides]
 
 
 @contextmanager

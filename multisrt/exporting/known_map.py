@@ -18,6 +18,7 @@ from multisrt.exporting.selection import require_robot, require_time
 from multisrt.exporting.trees import tree_by
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.numerics.arrays import FloatArray
+from multisrt.geometry.regions.safe_region import LocalSafeRegion
 from multisrt.recording import Recording
 
 GRID_M = 1e-6
@@ -97,7 +98,7 @@ def known_content(
     require_robot(recording, robot)
     until = nanoseconds(require_time(recording, time_s))
     shown = ShownRegions(recording, environment)
-    found = {}
+    found: dict[int, LocalSafeRegion] = {}
     for event in recording.events:
         if nanoseconds(event.time_s) <= until and robot in (None, event.robot):
             for region in shown.by(event):

@@ -138,7 +138,7 @@ class MapContent:
             seen.append(ends[region.tags == OBSTACLE])
         edges = self.environment.edges
         middles = shapely.points(0.5 * (edges[:, :2] + edges[:, 2:]))
-        tree = shapely.STRtree(shapely.linestrings(np.concatenate(seen)))
+        tree = shapely.STRtree(list(map(shapely.LineString, np.concatenate(seen))))
         near, _ = tree.query(middles, predicate="dwithin", distance=SURFACE_M)
         lines = shapely.linestrings(edges[np.unique(near)].reshape(-1, 2, 2))
         return shapely.line_merge(MultiLineString(list(lines)))

@@ -60,7 +60,7 @@ def pgm_bytes(raster: Raster) -> bytes:
     levels = np.full(raster.cells.shape, UNKNOWN_LEVEL, np.uint8)
     levels[raster.cells == FREE_CELL] = FREE_LEVEL
     levels[raster.cells == OCCUPIED_CELL] = OCCUPIED_LEVEL
-    rows, columns = levels.shape
+    rows, columns = raster.cells.shape
     return f"P5\n{columns} {rows}\n255\n".encode() + levels[::-1].tobytes()
 
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import shapely
 from shapely import LinearRing
+from shapely.geometry.base import BaseGeometry
 
 from multisrt.environments.environment import Environment
 from multisrt.environments.formats.geojson import MIN_EXTENT_M
@@ -84,7 +85,7 @@ def geojson_bytes(environment: Environment) -> bytes:
             f"the world {environment.name!r} is {x1 - x0:.2g} x {y1 - y0:.2g} m: readers of "
             f"GeoJSON take worlds smaller than {MIN_EXTENT_M:g} m for degrees; write WKT"
         )
-    shapes = [(part, "free") for part in environment.free.geoms]
+    shapes: list[tuple[BaseGeometry, str]] = [(part, "free") for part in environment.free.geoms]
     shapes += [(shapely.Point(start), "start") for start in environment.starts]
     return collection_bytes(
         environment.name,

@@ -134,7 +134,7 @@ def world_cells(
     """
     (row, column), (rows, columns) = first, shape
     xs, ys = (
-        (start + np.arange(count) + 0.5) * cell_m
+        (start + np.arange(count, dtype=np.float64) + 0.5) * cell_m
         for start, count in ((column, columns), (row, rows))
     )
     edges = environment.edges

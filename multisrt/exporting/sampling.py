@@ -27,7 +27,7 @@ def inner_times(begin_s: float, end_s: float, step_s: float) -> FloatArray:
     [1.5, 2.0, 2.5]
     """
     first = math.floor(begin_s / step_s) + 1
-    times: FloatArray = np.arange(first, max(first, math.ceil(end_s / step_s))) * step_s
+    times = np.arange(first, max(first, math.ceil(end_s / step_s)), dtype=np.float64) * step_s
     return times[(times > begin_s) & (times < end_s)]
 
 

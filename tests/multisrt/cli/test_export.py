@@ -126,6 +126,17 @@ def test_a_missing_package_is_named(call, folder, run, monkeypatch, suffix, modu
     assert everything(folder) == before
 
 
+def test_dxf_without_its_package_names_the_extra(call, folder, run, monkeypatch):
+    for name in [name for name in sys.modules if name.partition(".")[0] == "ezdxf"]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, "ezdxf", None)
+    before = everything(folder)
+    code, out, err = call("export", "out", "--out", "x.dxf")
+    assert (code, out) == (2, "")
+    assert err.startswith("error: a DXF file needs ezdxf, which is not installed: pip install ")
+    assert everything(folder) == before
+
+
 @pytest.mark.parametrize("suffix", [".mcap", ".rrd"])
 def test_an_interrupted_export_leaves_nothing(folder, run, suffix):
     from multisrt.exporting import export_run

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from multisrt.experiments.frames import load_results
     from multisrt.experiments.results import Result, Results
     from multisrt.experiments.spec import ExperimentSpec
+    from multisrt.exporting import save_environment
     from multisrt.finished_run import Run
     from multisrt.geometry.bodies.footprint import Footprint
     from multisrt.geometry.errors import InvalidInputError, MultiSrtError
@@ -91,6 +92,7 @@ _HOMES = {
     "measure": "analysis.measuring",
     "read_environment": "environments.formats",
     "register": "robots.registry",
+    "save_environment": "exporting",
     "simulate": "simulation.simulate",
     "strategies": "robots.registry",
 }
@@ -132,6 +134,7 @@ __all__ = [
     "measure",
     "read_environment",
     "register",
+    "save_environment",
     "simulate",
     "strategies",
 ]

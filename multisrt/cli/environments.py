@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from multisrt.cli import candidates
 from multisrt.cli.mistakes import CommandGroup, is_world
 from multisrt.cli.output_options import force_option, quiet_option
-from multisrt.cli.outputs import require_no_file
+from multisrt.cli.outputs import require_no_file, require_place
 from multisrt.cli.own_map import starts_from_option
 from multisrt.cli.reach import areas, around
 from multisrt.cli.tables import show as show_table
@@ -28,12 +28,13 @@ def _meant(words: Sequence[str]) -> Sequence[str]:
 @click.group(cls=CommandGroup, meant=_meant, invoke_without_command=True)
 @click.pass_context
 def environments(context: click.Context) -> None:
-    """List the environments of the catalogue, or draw one.
+    """List the environments of the catalogue; draw or export one.
 
     \b
     Examples:
       multisrt environments
       multisrt environments show hospital --out hospital.svg
+      multisrt environments export hospital --out hospital.yaml
     """
     if context.invoked_subcommand is not None:
         return
@@ -92,6 +93,91 @@ def show(
     if not quiet:
         _describe(world, environment)
         click.echo(f"written to {out}")
+
+
+@environments.command()
+@click.argument("environment", metavar="ENV", shell_complete=candidates.worlds)
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    required=True,
+    metavar="FILE",
+    help="The map; its suffix says the format.",
+)
+@force_option()
+@click.option(
+    "--cell",
+    "cell_m",
+    type=float,
+    metavar="M",
+    help="Width of a pixel of .yaml (m).  [default: 0.05, wider for large worlds]",
+)
+@click.option(
+    "--height",
+    "height_m",
+    type=float,
+    metavar="M",
+    help="Height of walls in .stl and .glb (m).  [default: 1]",
+)
+@click.option("--resolution", type=float, help="Metres per pixel of an image without its own.")
+@click.option("--threshold", type=float, help="Lightness from 0 to 1 above which a pixel is free.")
+@quiet_option()
+def export(
+    environment: str,
+    *,
+    out: Path,
+    force: bool,
+    cell_m: float | None,
+    height_m: float | None,
+    resolution: float | None,
+    threshold: float | None,
+    quiet: bool,
+) -> None:
+    """Write an environment as a map file.
+
+    ENV is a name that 'multisrt environments' lists, or a map file as for 'multisrt explore'.
+
+    \b
+    Formats, by the suffix of --out:
+      .yaml     ROS map server, with an image .pgm beside it
+      .geojson  polygons, with suggested starts; also .json
+      .wkt      well-known text: free space only
+      .svg      outlines, with suggested starts; for a picture see 'show'
+      .dxf      closed outlines in layers, with suggested starts
+      .stl      walls as solids
+      .glb      walls and floor as solids
+
+    \b
+    Examples:
+      multisrt environments export hospital --out hospital.yaml --cell 0.1
+      multisrt environments export office --out office.geojson
+      multisrt environments export plan.png --resolution 0.05 --out plan.dxf
+      multisrt environments export maze --out maze.stl --height 2.5
+    """
+    from multisrt.exporting import MapOptions, save_environment
+    from multisrt.exporting.worlds import map_files, map_writer
+    from multisrt.geometry.errors import InvalidInputError
+    from multisrt.simulation.worlds import build_environment, environment_spec
+    from multisrt.terminal import LiveLine
+
+    sizes = {"cell_m": cell_m, "height_m": height_m}
+    given: dict[str, Any] = {name: m for name, m in sizes.items() if m is not None}
+    for name in given:
+        if name not in map_writer(out).options:
+            option = "--cell" if name == "cell_m" else "--height"
+            raise InvalidInputError(f"{option} has no meaning for {out.suffix.lower()}")
+    options = MapOptions(**given)
+    where = environment_spec(environment, resolution_m=resolution, threshold=threshold)
+    files = map_files(out)
+    for file in files:
+        require_place(file, force=force)
+    with LiveLine(not quiet, "building", environment) as live:
+        world = build_environment(where)
+        live.update(description="writing", note=str(out))
+        save_environment(world, out, options=options, overwrite=force)
+    if not quiet:
+        _describe(world, environment)
+        click.echo(f"written to {' and '.join(map(str, files))}")
 
 
 def _describe(world: Environment, name: str) -> None:

@@ -1,8 +1,9 @@
-"""`multisrt export`: a run as a file for Foxglove, ROS 2 or rerun."""
+"""`multisrt export`: a run, or a part of it, as a file for other programs."""
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
 
 import click
 
@@ -11,80 +12,197 @@ from multisrt.cli.output_options import EXPORT_NAME, force_option, out_file, qui
 from multisrt.cli.outputs import require_place
 from multisrt.cli.recordings import recording_in
 
+if TYPE_CHECKING:
+    from multisrt.exporting.whats import What
+    from multisrt.recording import Recording
+    from multisrt.terminal import LiveLine
+
+# Their import would delay the help; a test compares these words with `multisrt.exporting.whats`.
+WHATS: Final = ("run", "trajectories", "map", "tree", "world")
+
+OPTIONS: Final = {
+    "time_s": "--at",
+    "robot": "--robot",
+    "rate_hz": "--rate",
+    "map_interval_s": "--map-interval",
+    "cell_m": "--cell",
+    "height_m": "--height",
+    "without": "--without",
+}
+"""Options by the names of their values."""
+
 
 @click.command()
 @click.argument("recording", metavar="RECORDING", type=click.Path(path_type=Path))
-@out_file("the run: .mcap for Foxglove and ROS 2, .rrd for rerun", EXPORT_NAME)
+@out_file("what is written; its suffix says the format", EXPORT_NAME)
 @force_option()
+@click.option(
+    "--what",
+    type=click.Choice(WHATS),
+    metavar="WHAT",
+    help="What to write: run, trajectories, map, tree or world.  [default: by the suffix]",
+)
+@click.option(
+    "--at",
+    "time_s",
+    type=float,
+    metavar="S",
+    help="Time of a map or tree (s).  [default: the end of the run]",
+)
+@click.option(
+    "--robot",
+    type=int,
+    metavar="N",
+    help="Robot of a map, tree or trajectory, from 0.  [default: the whole team]",
+)
 @click.option(
     "--rate",
     "rate_hz",
     type=float,
-    default=10.0,
-    show_default=True,
     metavar="HZ",
-    help="Poses of a moving robot per second, besides its waypoints.",
+    help="Poses of a moving robot per second, besides its waypoints.  "
+    "[default: 10 of a run, waypoints only of trajectories]",
 )
 @click.option(
     "--map-interval",
     "map_interval_s",
     type=float,
-    default=5.0,
-    show_default=True,
     metavar="S",
-    help="Time between two maps of a robot (s).",
+    help="Time between two maps of a robot in a run (s).  [default: 5]",
 )
 @click.option(
     "--cell",
     "cell_m",
     type=float,
     metavar="M",
-    help="Width of a cell of the maps (m).  [default: 0.1, wider in large worlds]",
+    help="Width of a cell of maps (m).  [default: 0.1 in a run, 0.05 in .yaml, wider in large "
+    "worlds]",
 )
-@without_option("export")
+@click.option(
+    "--height",
+    "height_m",
+    type=float,
+    metavar="M",
+    help="Height of walls in .stl and .glb (m).  [default: 1]",
+)
+@without_option("export", "  Of .stl and .glb: paths, edges.")
 @quiet_option()
 def export(
     recording: Path,
     out: Path | None,
     *,
     force: bool,
-    rate_hz: float,
-    map_interval_s: float,
-    cell_m: float | None,
-    without: tuple[str, ...],
+    what: What | None,
     quiet: bool,
+    **given: Any,
 ) -> None:
-    """Write a run as a file for other programs.
+    """Write a run, or a part of it, as a file for other programs.
 
-    RECORDING is the folder that 'multisrt explore' wrote, or the file recording.jsonl in it. The
-    file holds the true map, the map, poses, path, tree and frontier of every robot, radio links,
-    decisions in words, and the coverage, all in simulated time.
+    RECORDING is the folder that 'multisrt explore' wrote, or the file recording.jsonl in it.
+
+    \b
+    What is written, by suffix (without --what the first that has the suffix):
+      run           .mcap for Foxglove and ROS 2, .rrd for rerun: all of it
+      trajectories  .csv, .json, .tum, .txt: where the robots were; in the
+                    format of TUM (.tum, .txt) one file for each robot
+      map           .yaml and .pgm for ROS, .geojson, .wkt, .svg, .dxf, .stl,
+                    .glb: what a robot or the team knew
+      tree          .graphml, .geojson: nodes and edges
+      world         the true world, in the formats of a map
 
     \b
     Examples:
       multisrt export runs/office-srt-radial-0
-      multisrt export out --out out.rrd --without maps
       multisrt export out --out out.mcap --rate 30 --map-interval 1 --force
+      multisrt export out --out map.yaml --cell 0.1
+      multisrt export out --out known.geojson --robot 1 --at 30
+      multisrt export out --out tree.graphml
+      multisrt export out --out tree.geojson --what tree --robot 0
+      multisrt export out --out poses.csv --rate 10
+      multisrt export out --out run.glb --what world --without paths
     """
-    from multisrt.exporting import ExportOptions, export_run
-    from multisrt.exporting.export import require_format
+    from multisrt.exporting.whats import what_of
+    from multisrt.geometry.errors import InvalidInputError
     from multisrt.recording import Recording
     from multisrt.terminal import LiveLine
 
-    options = ExportOptions(
-        rate_hz=rate_hz, map_interval_s=map_interval_s, cell_m=cell_m, without=without
-    )
-    if out is not None:
-        require_format(out)
+    chosen = {name: value for name, value in given.items() if value not in ((), None)}
+    if out is None and what not in (None, "run"):
+        raise InvalidInputError(f"--what {what} needs a file whose suffix says the format: --out")
+    what = what_of(Path(EXPORT_NAME) if out is None else out, what)
     path = recording_in(recording)
     out = path.with_name(EXPORT_NAME) if out is None else out
-    require_place(out, force=force)
+    _require_use(out, what, chosen)
     with LiveLine(not quiet, "reading", str(path)) as live:
         loaded = Recording.load(path)
-        live.update(description="exporting", note=str(out), total=1.0, completed=0.0)
+        files = _files(loaded, out, what, chosen)
+        for file in files:
+            require_place(file, force=force)
+        live.update(description="exporting", note=str(out))
+        _write(loaded, out, what, chosen, force, live)
+    if quiet:
+        return
+    for file in files:
+        size = file.stat().st_size
+        shown = f"{size / 1e6:.1f} MB" if size >= 1e5 or what == "run" else f"{size / 1e3:.1f} kB"
+        length = f"{loaded.footer.time_s:.1f} s, " if what == "run" else ""
+        click.echo(f"{file}: {length}{shown}")
+
+
+def _require_use(out: Path, what: What, given: dict[str, Any]) -> None:
+    from multisrt.exporting.whats import options_of
+    from multisrt.geometry.errors import InvalidInputError
+
+    used = options_of(out, what)
+    for name in given:
+        if name not in used:
+            has = [option for value, option in OPTIONS.items() if value in used]
+            takes = f"it takes {', '.join(has)}" if has else "it takes none of these options"
+            raise InvalidInputError(
+                f"{OPTIONS[name]} has no meaning for {what} as {out.suffix.lower()}; {takes}"
+            )
+
+
+def _files(recording: Recording, out: Path, what: What, given: dict[str, Any]) -> list[Path]:
+    from multisrt.exporting.trajectories import trajectory_files
+    from multisrt.exporting.worlds import map_files
+
+    if what == "trajectories":
+        return trajectory_files(recording, out, given.get("robot"))
+    return map_files(out) if what in ("map", "world") else [out]
+
+
+def _write(
+    recording: Recording,
+    out: Path,
+    what: What,
+    given: dict[str, Any],
+    force: bool,
+    live: LiveLine,
+) -> None:
+    from multisrt.exporting import (
+        ExportOptions,
+        MapOptions,
+        export_run,
+        save_map,
+        save_trajectories,
+        save_trees,
+        save_world,
+    )
+
+    if what == "run":
+        live.update(total=1.0, completed=0.0)
+        options = ExportOptions(**given)
         export_run(
-            loaded, out, options=options, progress=lambda share: live.update(completed=share)
+            recording, out, options=options, progress=lambda share: live.update(completed=share)
         )
-    if not quiet:
-        size_mb = out.stat().st_size / 1e6
-        click.echo(f"{out}: {loaded.footer.time_s:.1f} s, {size_mb:.1f} MB")
+    elif what == "trajectories":
+        save_trajectories(recording, out, **given, overwrite=force)
+    elif what == "tree":
+        save_trees(recording, out, **given, overwrite=force)
+    else:
+        sizes = MapOptions(
+            **{name: given.pop(name) for name in ("cell_m", "height_m") if name in given}
+        )
+        write = save_map if what == "map" else save_world
+        write(recording, out, **given, options=sizes, overwrite=force)

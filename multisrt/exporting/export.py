@@ -12,7 +12,7 @@ from multisrt.exporting.mcap_export import write_mcap
 from multisrt.exporting.moments import Moment, moments
 from multisrt.exporting.options import ExportOptions
 from multisrt.exporting.rerun_export import write_rerun
-from multisrt.geometry.errors import InvalidInputError, did_you_mean
+from multisrt.exporting.written import require_suffix
 from multisrt.recording import Recording, atomic_write
 
 Progress = Callable[[float], None]
@@ -81,11 +81,7 @@ def export_run(
 
 def require_format(path: Path) -> None:
     """Raise an `InvalidInputError` if the suffix of a path is none of `FORMATS`."""
-    suffix = path.suffix.lower()
-    if suffix not in FORMATS:
-        known = "; ".join(f"{one}: {what}" for one, what in FORMATS.items())
-        said = f"{suffix!r} is no format of exports" if suffix else "no suffix says the format"
-        raise InvalidInputError(f"{path}: {said}{did_you_mean(suffix, FORMATS)}; {known}")
+    require_suffix(path, FORMATS, "runs")
 
 
 def _watched(contents: Iterable[Moment], progress: Progress, end_s: float) -> Iterator[Moment]:

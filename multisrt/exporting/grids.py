@@ -16,13 +16,13 @@ import shapely
 from numpy.typing import NDArray
 
 from multisrt.environments.environment import Environment
-from multisrt.events import AnyEvent, Learned, NodeAdded, Sensed
+from multisrt.events import AnyEvent, Learned, NodeAdded, NodeName, Sensed
 from multisrt.exporting.options import ExportOptions
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import ClearanceError, InvalidInputError
 from multisrt.geometry.grids.occupancy import FREE, OCCUPIED, Occupancy
 from multisrt.geometry.grids.polygon_fill import paint_polygon
-from multisrt.geometry.numerics.arrays import BoolArray, FloatArray
+from multisrt.geometry.numerics.arrays import BoolArray, ByteArray, FloatArray
 from multisrt.geometry.regions.beam_chords import MIN_BEAMS
 from multisrt.geometry.regions.boundary import OBSTACLE
 from multisrt.geometry.regions.edge_index import EdgeIndex
@@ -146,6 +146,82 @@ def frontier_of(cells: Cells) -> BoolArray:
     return frontier
 
 
+def values_of(cells: ByteArray) -> Cells:
+    """Return the cells of an occupancy as values of a map."""
+    values: Cells = _VALUES[cells]
+    return values
+
+
+class ShownRegions:
+    """The regions that robots came to know by the events of a run.
+
+    These are the regions of the nodes that a robot made, and of those that it learned of; for a
+    robot that notes no nodes, what its scans showed.
+
+    Parameters
+    ----------
+    recording : Recording
+        The run.
+    environment : Environment
+        Its world.
+    """
+
+    def __init__(self, recording: Recording, environment: Environment) -> None:
+        self._recording = recording
+        self._nodes = {(node.robot, node.serial): node for node in recording.of(NodeAdded)}
+        self._with_nodes = {node.robot for node in recording.of(NodeAdded)}
+        self._finders = [robot.range_finder for robot in recording.spec.robots]
+        range_m = max(finder.range_m for finder in self._finders)
+        self._index = EdgeIndex(environment.edges, range_m / 3.0)
+        self._regions: dict[NodeName, LocalSafeRegion] = {}
+
+    def by(self, event: AnyEvent) -> Iterator[LocalSafeRegion]:
+        """Yield the regions that the robot of an event came to know by it.
+
+        The region of a node is the same object for all robots that know it.
+
+        Raises
+        ------
+        InvalidInputError
+            If a scan of a robot without nodes was not taken in free space.
+        """
+        match event:
+            case NodeAdded():
+                yield self._region(event)
+            case Learned():
+                for name in event.nodes:
+                    yield self._region(self._nodes[name])
+            case Sensed() if event.robot not in self._with_nodes:
+                if (region := self._shown(event)) is not None:
+                    yield region
+
+    def _region(self, node: NodeAdded) -> LocalSafeRegion:
+        name = node.robot, node.serial
+        if name not in self._regions:
+            x, y, _ = node.configuration
+            self._regions[name] = LocalSafeRegion(
+                x=x,
+                y=y,
+                range_m=self._finders[node.robot].range_m,
+                boundary=self._recording.region(node),
+                tags=np.frombuffer(node.tags.encode(), np.int8) - np.int8(ord("0")),
+            )
+        return self._regions[name]
+
+    def _shown(self, scan: Sensed) -> LocalSafeRegion | None:
+        finder = self._finders[scan.robot]
+        if finder.beams is not None and finder.beams < MIN_BEAMS:
+            return None
+        place = Configuration(*scan.configuration)
+        try:
+            taken = take_scan(self._index, place, scan.time_s, finder.range_m, finder.beams)
+        except ClearanceError as error:
+            raise InvalidInputError(
+                f"a scan of the recording was not taken in free space: {error}"
+            ) from None
+        return local_safe_region(taken, "radial")
+
+
 class KnownMaps:
     """The maps of all robots, which grow with the events of a run.
 
@@ -160,62 +236,18 @@ class KnownMaps:
     """
 
     def __init__(self, recording: Recording, environment: Environment, grid: Grid) -> None:
-        self._recording = recording
-        self._nodes = {(node.robot, node.serial): node for node in recording.of(NodeAdded)}
-        self._with_nodes = {node.robot for node in recording.of(NodeAdded)}
-        self._finders = [robot.range_finder for robot in recording.spec.robots]
-        range_m = max(finder.range_m for finder in self._finders)
-        self._index = EdgeIndex(environment.edges, range_m / 3.0)
+        self._shown = ShownRegions(recording, environment)
         self._maps = [grid.empty() for _ in recording.starts]
         self._revisions: dict[int, int] = defaultdict(lambda: -1)
 
     def add(self, event: AnyEvent) -> None:
-        """Add what a robot came to know by an event.
-
-        That are the regions of the nodes that it made, and of those that it learned of; for a
-        robot that notes no nodes, what its scans show.
-
-        Raises
-        ------
-        InvalidInputError
-            If a scan of such a robot was not taken in free space.
-        """
-        match event:
-            case NodeAdded():
-                self._maps[event.robot].add(self._region(event))
-            case Learned():
-                for name in event.nodes:
-                    self._maps[event.robot].add(self._region(self._nodes[name]))
-            case Sensed() if event.robot not in self._with_nodes:
-                if (region := self._shown(event)) is not None:
-                    self._maps[event.robot].add(region)
+        """Add what a robot came to know by an event; see `ShownRegions.by`."""
+        for region in self._shown.by(event):
+            self._maps[event.robot].add(region)
 
     def changed(self) -> Iterator[tuple[int, Cells]]:
         """Yield the maps that have changed since they were last yielded, with their robots."""
         for robot, known in enumerate(self._maps):
             if known.revision != self._revisions[robot]:
                 self._revisions[robot] = known.revision
-                yield robot, _VALUES[known.cells]
-
-    def _region(self, node: NodeAdded) -> LocalSafeRegion:
-        x, y, _ = node.configuration
-        return LocalSafeRegion(
-            x=x,
-            y=y,
-            range_m=self._finders[node.robot].range_m,
-            boundary=self._recording.region(node),
-            tags=np.frombuffer(node.tags.encode(), np.int8) - np.int8(ord("0")),
-        )
-
-    def _shown(self, scan: Sensed) -> LocalSafeRegion | None:
-        finder = self._finders[scan.robot]
-        if finder.beams is not None and finder.beams < MIN_BEAMS:
-            return None
-        place = Configuration(*scan.configuration)
-        try:
-            taken = take_scan(self._index, place, scan.time_s, finder.range_m, finder.beams)
-        except ClearanceError as error:
-            raise InvalidInputError(
-                f"a scan of the recording was not taken in free space: {error}"
-            ) from None
-        return local_safe_region(taken, "radial")
+                yield robot, values_of(known.cells)

@@ -32,7 +32,8 @@ from multisrt.exporting.looks import (
     triangles_of,
 )
 from multisrt.exporting.mcap_file import McapFile, Topic
-from multisrt.exporting.moments import Moment, nanoseconds
+from multisrt.exporting.moments import Moment
+from multisrt.exporting.sampling import nanoseconds
 from multisrt.recording import Recording
 
 TRUTH: Final = Topic("/truth/map", "nav_msgs/OccupancyGrid", latched=True)

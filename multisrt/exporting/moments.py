@@ -6,7 +6,6 @@ import heapq
 import math
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator
-from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -41,10 +40,11 @@ from multisrt.exporting.contents import (
 )
 from multisrt.exporting.grids import Grid, KnownMaps, frontier_of, truth_of
 from multisrt.exporting.options import ExportOptions
+from multisrt.exporting.sampling import course_of, inner_times, nanoseconds
+from multisrt.exporting.trees import is_joined
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.numerics.arrays import FloatArray
 from multisrt.geometry.regions.edge_index import EdgeIndex
-from multisrt.planners.motion.trajectory import CHORD_RAD
 from multisrt.recording import Recording
 from multisrt.simulation.radio import links_hold
 from multisrt.spec import LateStart
@@ -115,11 +115,6 @@ def _said(recording: Recording) -> Iterator[Moment]:
         yield nanoseconds(note.time_s), Said(note.robot, note.text, note.is_trouble)
 
 
-def nanoseconds(time_s: float) -> int:
-    """Return a time in whole nanoseconds, at least 0."""
-    return max(0, round(time_s * 1e9))
-
-
 def _require_bounded(recording: Recording, options: ExportOptions) -> None:
     end_s, robots = recording.footer.time_s, len(recording.starts)
     if end_s > MAX_END_S:
@@ -169,9 +164,7 @@ def _poses(robot: int, track: Track, options: ExportOptions) -> Iterator[Moment]
         begin, end = float(leg[0]), float(leg[4])
         moves = bool((leg[1:4] != leg[5:]).any())
         step_s = period_s if moves else standing_s
-        first = math.floor(begin / step_s) + 1
-        inner = np.arange(first, max(first, math.ceil(end / step_s))) * step_s
-        times = np.concatenate([[begin], inner[(inner > begin) & (inner < end)], [end]])
+        times = np.concatenate([[begin], inner_times(begin, end, step_s), [end]])
         found = poses_on(np.broadcast_to(leg, (len(times), 8)), times)
         for time_s, (x, y, heading) in zip(times.tolist(), found.tolist(), strict=True):
             if (now := nanoseconds(time_s)) > last:
@@ -232,8 +225,7 @@ def _trees(recording: Recording, absent: frozenset[str]) -> Iterator[Moment]:
         place = event.configuration[:2]
         places[event.robot, event.serial] = place
         nodes[event.robot].append(place)
-        # Scans of robots that bid for frontiers form no tree.
-        if event.parent in places and event.stage != "scan":
+        if event.parent in places and is_joined(event):
             edges[event.robot].append((*places[event.parent], *place))
         shown = [] if "nodes" in absent else nodes[event.robot]
         joined = [] if "edges" in absent else edges[event.robot]
@@ -242,21 +234,7 @@ def _trees(recording: Recording, absent: frozenset[str]) -> Iterator[Moment]:
 
 def _ways(recording: Recording) -> Iterator[Moment]:
     for motion in recording.of(Motion):
-        yield nanoseconds(motion.time_s), Way(motion.robot, _points(motion))
-
-
-def _points(motion: Motion) -> FloatArray:
-    # The waypoints, and points on arcs between them.
-    rows = [np.array(motion.waypoints[:1])]
-    for a, b in pairwise(motion.waypoints):
-        chords = 1
-        if (a[1], a[2]) != (b[1], b[2]):
-            chords = max(1, math.ceil(abs(b[3] - a[3]) / CHORD_RAD))
-        times = a[0] + (b[0] - a[0]) * np.arange(1, chords + 1) / chords
-        leg = np.broadcast_to(np.array([*a, *b]), (chords, 8))
-        rows.append(np.column_stack([times, poses_on(leg, times)]))
-        rows[-1][-1] = b
-    return np.concatenate(rows)
+        yield nanoseconds(motion.time_s), Way(motion.robot, course_of(motion))
 
 
 def _links(

@@ -17,6 +17,7 @@ EXTRAS: Final[Mapping[str, tuple[str, ...]]] = {
     "learn": ("gymnasium", "pettingzoo"),
     "animation": ("imageio-ffmpeg",),
     "mcap": ("mcap",),
+    "dxf": ("ezdxf",),
     "rerun": ("rerun-sdk",),
 }
 """The packages that each extra brings."""

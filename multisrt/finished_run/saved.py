@@ -12,7 +12,10 @@ from multisrt.finished_run.pictured import PicturedRun
 from multisrt.recording import atomic_write
 
 if TYPE_CHECKING:
-    from multisrt.exporting import ExportOptions
+    from collections.abc import Iterable
+
+    from multisrt.environments.environment import Environment
+    from multisrt.exporting import ExportOptions, MapOptions
 
 RECORDING_NAME = "recording.jsonl"
 RUN_NAME = "run.json"
@@ -195,3 +198,168 @@ class Run(PicturedRun):
         from multisrt.exporting import export_run
 
         export_run(self.recording, path, options=options, environment=self.environment)
+
+    def known_map(self, *, robot: int | None = None, time_s: float | None = None) -> Environment:
+        """Return the free space that a robot, or the team, knew at some time.
+
+        Parameters
+        ----------
+        robot : int, optional
+            The robot, from 0; by default what all robots knew together.
+        time_s : float, optional
+            The time in seconds; by default the end of the run.
+
+        Returns
+        -------
+        Environment
+            The known free space, with those starts of robots that lie in it.
+
+        Raises
+        ------
+        InvalidInputError
+            If there is no such robot or time, or nothing was known then.
+
+        Examples
+        --------
+        >>> import multisrt as ms
+        >>> run = ms.explore("open", robots=2, seed=1)
+        >>> run.known_map(robot=0, time_s=1.0).area_m2 < run.known_map().area_m2
+        True
+        """
+        from multisrt.exporting import known_map
+
+        return known_map(self.recording, self.environment, robot=robot, time_s=time_s)
+
+    def save_map(
+        self,
+        path: str | Path,
+        *,
+        robot: int | None = None,
+        time_s: float | None = None,
+        options: MapOptions | None = None,
+        without: Iterable[str] = (),
+        overwrite: bool = False,
+    ) -> None:
+        """Write what a robot, or the team, knew of the world at some time as a map file.
+
+        Parameters
+        ----------
+        path : str or Path
+            The file: ``.yaml``, ``.geojson``, ``.wkt``, ``.svg``, ``.dxf``, ``.stl`` or ``.glb``;
+            see `multisrt.exporting.save_map`. It is written completely or not at all.
+        robot, time_s
+            As for `known_map`.
+        options : MapOptions, optional
+            Width of a pixel; height and thickness of walls.
+        without : iterable of {"edges", "paths"}, optional
+            Lines that solids do not show: edges of trees, or paths of robots.
+        overwrite : bool, optional
+            Whether a file that exists is replaced.
+
+        Raises
+        ------
+        InvalidInputError
+            If the suffix is another, there is no such robot or time, nothing was known then, or
+            the file exists and is not to be replaced, or cannot be written.
+
+        Examples
+        --------
+        >>> import multisrt as ms
+        >>> run = ms.explore("open", robots=2, seed=1, max_time_s=10.0)
+        >>> run.save_map("team.yaml")
+        >>> run.save_map("robot-1.geojson", robot=1, time_s=5.0)
+        """
+        from multisrt.exporting import save_map
+
+        save_map(
+            self.recording,
+            path,
+            robot=robot,
+            time_s=time_s,
+            environment=self.environment,
+            options=options,
+            without=without,
+            overwrite=overwrite,
+        )
+
+    def save_trees(
+        self,
+        path: str | Path,
+        *,
+        robot: int | None = None,
+        time_s: float | None = None,
+        overwrite: bool = False,
+    ) -> None:
+        """Write the exploration trees as GraphML or GeoJSON; see `multisrt.exporting.save_trees`.
+
+        Parameters
+        ----------
+        path : str or Path
+            The file: ``.graphml``, ``.geojson`` or ``.json``. It is written completely or not at
+            all.
+        robot, time_s
+            As for `known_map`.
+        overwrite : bool, optional
+            Whether a file that exists is replaced.
+
+        Raises
+        ------
+        InvalidInputError
+            If the suffix is another, there is no such robot or time, no node was made until then,
+            or the file exists and is not to be replaced, or cannot be written.
+
+        Examples
+        --------
+        >>> import multisrt as ms
+        >>> ms.explore("open", seed=1, max_time_s=10.0).save_trees("tree.graphml")
+        """
+        from multisrt.exporting import save_trees
+
+        save_trees(self.recording, path, robot=robot, time_s=time_s, overwrite=overwrite)
+
+    def save_trajectories(
+        self,
+        path: str | Path,
+        *,
+        robot: int | None = None,
+        rate_hz: float | None = None,
+        overwrite: bool = False,
+    ) -> list[Path]:
+        """Write where the robots were; see `multisrt.exporting.save_trajectories`.
+
+        Parameters
+        ----------
+        path : str or Path
+            The file: ``.csv``, ``.json``, or ``.tum`` or ``.txt`` in the format of the TUM RGB-D
+            benchmark, of which each robot has a file of its own.
+        robot : int, optional
+            The robot, from 0; by default all.
+        rate_hz : float, optional
+            Poses per second of a robot that moves, besides its waypoints; by default waypoints
+            only.
+        overwrite : bool, optional
+            Whether files that exist are replaced.
+
+        Returns
+        -------
+        list of Path
+            The files.
+
+        Raises
+        ------
+        InvalidInputError
+            If the suffix is another, there is no such robot, the rate is out of range, or a file
+            exists and is not to be replaced, or cannot be written.
+
+        Examples
+        --------
+        >>> import multisrt as ms
+        >>> run = ms.explore("open", robots=2, seed=1, max_time_s=10.0)
+        >>> [file.name for file in run.save_trajectories("run.tum", rate_hz=10.0)]
+        ['run-0.tum', 'run-1.tum']
+        """
+        from multisrt.exporting import save_trajectories
+
+        return save_trajectories(
+            self.recording, path, robot=robot, rate_hz=rate_hz, overwrite=overwrite
+        )

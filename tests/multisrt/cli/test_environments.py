@@ -4,6 +4,7 @@ import xml.etree.ElementTree as ET
 import pytest
 from PIL import Image
 
+from multisrt.environments import environment, read_environment
 from multisrt.environments.catalog import names
 from tests.multisrt.cli.commands import everything
 
@@ -58,3 +59,50 @@ def test_a_picture_replaces_a_file_only_by_force(call, folder):
     assert (folder / "office.svg").read_text() == "mine"
     assert call("environments", "show", "office", "--force")[0] == 0
     assert (folder / "office.svg").read_text().startswith("<")
+
+
+@pytest.mark.parametrize("suffix", [".geojson", ".wkt", ".yaml", ".svg", ".dxf", ".stl", ".glb"])
+def test_environments_export_writes_maps(call, folder, suffix):
+    code, out, err = call("environments", "export", "office", "--out", f"o{suffix}")
+    assert (code, err) == (0, "")
+    assert "office: " in out
+    assert out.endswith(
+        "written to o.yaml and o.pgm\n" if suffix == ".yaml" else f"written to o{suffix}\n"
+    )
+    assert (folder / f"o{suffix}").stat().st_size > 100
+    code, out, err = call("environments", "export", "office", "--out", f"o{suffix}")
+    assert (code, out) == (2, "")
+    assert "exists already: name another file, or replace it with --force" in err
+    words = "--force", "--quiet"
+    assert call("environments", "export", "office", "--out", f"o{suffix}", *words) == (0, "", "")
+
+
+def test_environments_export_keeps_world_and_starts(call, folder):
+    call("environments", "export", "office", "--out", "o.geojson")
+    assert read_environment(folder / "o.geojson").digest == environment("office").digest
+    assert read_environment(folder / "o.geojson").starts == environment("office").starts
+    call("environments", "export", "room.wkt", "--out", "grid.yaml", "--cell", "0.2")
+    call("environments", "export", "grid.yaml", "--out", "again.wkt")
+    found, given = (read_environment(folder / f"{name}.wkt") for name in ("again", "room"))
+    assert found.free.symmetric_difference(given.free).area < 0.1 * given.free.length
+
+
+@pytest.mark.parametrize(
+    ("words", "named"),
+    [
+        (["office", "--out", "x.png"], "x.png: '.png' is no format of maps"),
+        (["office"], "--out"),
+        (["office", "--out", "x.wkt", "--cell", "0.1"], "--cell has no meaning for .wkt"),
+        (["office", "--out", "x.yaml", "--height", "2"], "--height has no meaning for .yaml"),
+        (["office", "--out", "x.stl", "--height", "0"], "the height of walls is 0.01 to 1000 m"),
+        (["office", "--out", "none/x.yaml"], "cannot write none/x.yaml: there is no folder none"),
+        (["nowhere", "--out", "x.yaml"], "nowhere"),
+    ],
+)
+def test_environments_export_refuses_bad_input(call, folder, words, named):
+    before = everything(folder)
+    code, out, err = call("environments", "export", *words)
+    assert (code, out) == (2, "")
+    assert named in err
+    assert err.count("\n") == 1
+    assert everything(folder) == before

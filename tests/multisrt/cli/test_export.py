@@ -1,4 +1,5 @@
 import sys
+from pathlib import Path
 
 import pytest
 from mcap.reader import make_reader
@@ -69,9 +70,9 @@ def test_nothing_is_replaced_unless_asked_for(call, folder, run):
 @pytest.mark.parametrize(
     ("words", "named"),
     [
-        (["out", "--out", "x.bag"], "x.bag: '.bag' is no format of exports; .mcap: MCAP with"),
+        (["out", "--out", "x.bag"], "x.bag: '.bag' is no format of exports; run: .mcap .rrd; traj"),
         (["out", "--out", "x.mcpa"], "(did you mean '.mcap'?)"),
-        (["out", "--out", "x"], "x: no suffix says the format; .mcap"),
+        (["out", "--out", "x"], "x: no suffix says the format; run: .mcap"),
         (["out", "--out", "no/folder/x.mcap"], "cannot write no/folder/x.mcap: there is no folder"),
         (["out", "--out", "no/folder/x.rrd"], "cannot write no/folder/x.rrd: there is no folder"),
         (["none", "--out", "x.mcap"], "none: No such file"),
@@ -82,6 +83,17 @@ def test_nothing_is_replaced_unless_asked_for(call, folder, run):
         (["out", "--out", "x.mcap", "--rate", "nan"], "the rate of poses is above 0"),
         (["out", "--out", "x.mcap", "--map-interval", "0"], "the interval of maps is from 0.01"),
         (["out", "--out", "x.mcap", "--cell", "-1"], "cells of maps are 0.001 to 1000 m wide"),
+        (["out", "--out", "x.yaml", "--cell", "-1"], "cells of maps are 0.001 to 1000 m wide"),
+        (["out", "--out", "x.mcap", "--at", "1"], "--at has no meaning for run as .mcap; it takes"),
+        (["out", "--out", "x.wkt", "--cell", "1"], "--cell has no meaning for map as .wkt"),
+        (["out", "--out", "x.csv", "--without", "maps"], "it takes --robot, --rate"),
+        (["out", "--out", "x.stl", "--without", "maps"], "solids have no layer 'maps'"),
+        (["out", "--out", "x.csv", "--what", "map"], "x.csv: '.csv' is no format of maps"),
+        (["out", "--what", "map"], "--what map needs a file whose suffix says the format: --out"),
+        (["out", "--out", "x.yaml", "--robot", "1"], "no robot 1: the run has robot 0 only"),
+        (["out", "--out", "x.yaml", "--at", "4"], "the run lasts from 0 to 3.00 s"),
+        (["out", "--out", "no/folder/x.yaml"], "cannot write no/folder/x.yaml: there is no folder"),
+        (["out", "--out", "x.tum", "--rate", "0"], "the rate of poses is above 0"),
     ],
 )
 def test_export_refuses_bad_input(call, folder, run, words, named):
@@ -114,6 +126,17 @@ def test_a_missing_package_is_named(call, folder, run, monkeypatch, suffix, modu
     assert everything(folder) == before
 
 
+def test_dxf_without_its_package_names_the_extra(call, folder, run, monkeypatch):
+    for name in [name for name in sys.modules if name.partition(".")[0] == "ezdxf"]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, "ezdxf", None)
+    before = everything(folder)
+    code, out, err = call("export", "out", "--out", "x.dxf")
+    assert (code, out) == (2, "")
+    assert err.startswith("error: a DXF file needs ezdxf, which is not installed: pip install ")
+    assert everything(folder) == before
+
+
 @pytest.mark.parametrize("suffix", [".mcap", ".rrd"])
 def test_an_interrupted_export_leaves_nothing(folder, run, suffix):
     from multisrt.exporting import export_run
@@ -137,3 +160,57 @@ def test_progress_reaches_the_end(folder, run):
     assert shares == sorted(shares)
     assert shares[-1] == 1.0
     assert len(shares) > 10
+
+
+@pytest.mark.parametrize(
+    ("words", "files", "begins"),
+    [
+        (["--out", "m.yaml", "--cell", "0.2"], ["m.yaml", "m.pgm"], b'image: "m.pgm"'),
+        (["--out", "m.geojson", "--at", "2"], ["m.geojson"], b'{"type": "FeatureCollection"'),
+        (["--out", "m.json", "--what", "map"], ["m.json"], b'{"type": "FeatureCollection"'),
+        (["--out", "m.WKT", "--robot", "0"], ["m.WKT"], b"MULTIPOLYGON"),
+        (["--out", "m.svg"], ["m.svg"], b"<svg"),
+        (["--out", "m.dxf", "--what", "world"], ["m.dxf"], b"  0\nSECTION"),
+        (["--out", "m.stl", "--height", "2", "--without", "paths"], ["m.stl"], b"\0" * 80),
+        (["--out", "m.glb", "--what", "world"], ["m.glb"], b"glTF"),
+        (["--out", "t.graphml"], ["t.graphml"], b"<?xml"),
+        (["--out", "t.geojson", "--what", "tree"], ["t.geojson"], b'{"type": "FeatureCollection"'),
+        (["--out", "p.csv", "--rate", "4"], ["p.csv"], b"robot,time_s"),
+        (["--out", "p.json"], ["p.json"], b'{"columns"'),
+        (["--out", "p.tum", "--robot", "0"], ["p.tum"], b"# timestamp"),
+    ],
+)
+def test_parts_of_a_run_are_written(call, folder, run, words, files, begins):
+    code, out, err = call("export", "out", *words)
+    assert (code, err) == (0, "")
+    assert [line.partition(": ")[0] for line in out.splitlines()] == files
+    assert (folder / files[0]).read_bytes().startswith(begins)
+    assert not list(folder.rglob("*.part"))
+    code, _, err = call("export", "out", *words)
+    assert code == 2
+    assert "exists already: name another file, or replace it with --force" in err
+    assert call("export", "out", *words, "--force", "--quiet") == (0, "", "")
+
+
+def test_the_second_file_of_a_map_is_not_replaced(call, folder, run):
+    (folder / "m.pgm").write_text("mine")
+    before = everything(folder)
+    code, out, err = call("export", "out", "--out", "m.yaml")
+    assert (code, out) == (2, "")
+    assert err.startswith("error: m.pgm exists already")
+    assert everything(folder) == before
+
+
+def test_words_and_options_are_those_of_the_library():
+    from multisrt.cli.export import OPTIONS, WHATS
+    from multisrt.exporting.whats import SUFFIXES, options_of
+
+    assert tuple(SUFFIXES) == WHATS
+    used = {
+        name
+        for what, suffixes in SUFFIXES.items()
+        for suffix in suffixes
+        for name in options_of(Path(f"x{suffix}"), what)
+    }
+    # The thickness of walls has no option of its own.
+    assert used == {*OPTIONS, "thickness_m"}

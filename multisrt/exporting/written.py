@@ -1,0 +1,69 @@
+"""Writing files that belong together: all of them or none, and over others only if allowed."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping
+from contextlib import ExitStack
+from pathlib import Path
+
+from multisrt.geometry.errors import InvalidInputError, did_you_mean
+from multisrt.recording import atomic_write
+
+
+def require_new(paths: Iterable[Path], *, overwrite: bool) -> None:
+    """Raise an `InvalidInputError` if a file exists and may not be replaced, or is a folder."""
+    for path in paths:
+        if path.is_dir():
+            raise InvalidInputError(f"cannot write {path}: it is a folder; name a file")
+        if not overwrite and os.path.lexists(path):
+            raise InvalidInputError(
+                f"{path} exists already; name another file, or allow to replace it"
+            )
+
+
+def write_files(files: Mapping[Path, bytes], *, overwrite: bool) -> None:
+    """Write files that get their names only when all have been written completely.
+
+    Parameters
+    ----------
+    files : mapping of Path to bytes
+        Their contents. The first gets its name last: it may name the others.
+    overwrite : bool
+        Whether files that exist are replaced.
+
+    Raises
+    ------
+    InvalidInputError
+        If one exists and is not to be replaced, or cannot be written.
+    """
+    require_new(files, overwrite=overwrite)
+    with ExitStack() as stack:
+        for path, content in files.items():
+            stack.enter_context(atomic_write(path)).write(content)
+
+
+def require_suffix(path: Path, known: Mapping[str, object], what: str) -> str:
+    """Return the suffix of a path in lower case.
+
+    Parameters
+    ----------
+    path : Path
+        The path.
+    known : mapping
+        Its keys are the suffixes that are known; values that are texts describe them.
+    what : str
+        What is written, for the message.
+
+    Raises
+    ------
+    InvalidInputError
+        If it is none of them.
+    """
+    suffix = path.suffix.lower()
+    if suffix in known:
+        return suffix
+    said = f"{suffix!r} is no format of {what}" if suffix else "no suffix says the format"
+    texts = [f"{one}: {text}" if isinstance(text, str) else one for one, text in known.items()]
+    hint = did_you_mean(suffix, known)
+    raise InvalidInputError(f"{path}: {said}{hint}; {what} are written as {', '.join(texts)}")

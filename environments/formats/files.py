@@ -10,7 +10,7 @@ from shapely import MultiPolygon
 from shapely.geometry.base import BaseGeometry
 
 from multisrt.environments.environment import SLIVER_WIDTH_M, Environment
-from multisrt.environments.formats.bitmap import polygons_from_grid
+from multisrt.environments.formats.bitmap import Resolution, polygons_from_grid
 from multisrt.geometry.errors import InvalidInputError, MapFormatError
 from multisrt.geometry.numerics.kernel import BoolArray
 
@@ -128,8 +128,17 @@ def refuse_threshold(path: Path, threshold: float | None) -> None:
         raise MapFormatError(f"{path} is not a plain image; leave out --threshold (threshold)")
 
 
-def grid_polygons(path: Path, free: BoolArray, resolution_m: float) -> MultiPolygon:
+def grid_polygons(path: Path, free: BoolArray, resolution_m: Resolution) -> MultiPolygon:
     """Return the polygons of the free cells of a file, whose first row is at the top.
+
+    Parameters
+    ----------
+    path : Path
+        The file, for messages.
+    free : bool array, shape (rows, columns)
+        True where a cell is free.
+    resolution_m : float or (x, y)
+        Side of a cell in metres, or its width and its height.
 
     Raises
     ------

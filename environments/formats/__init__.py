@@ -10,6 +10,8 @@ from multisrt.environments.formats.imr import IMR, read_imr
 from multisrt.environments.formats.map_format import Beginning, MapFormat, Reader, beginning_of
 from multisrt.environments.formats.map_server import MAP_SERVER, read_map_server
 from multisrt.environments.formats.moving_ai import MOVING_AI, read_moving_ai
+from multisrt.environments.formats.numpy_array import NUMPY_ARRAY, read_numpy_array
+from multisrt.environments.formats.svg import SVG, read_svg
 from multisrt.environments.formats.wkt import WKT, read_wkt
 from multisrt.geometry.errors import MapFormatError
 
@@ -25,6 +27,8 @@ __all__ = [
     "read_imr",
     "read_map_server",
     "read_moving_ai",
+    "read_numpy_array",
+    "read_svg",
     "read_wkt",
 ]
 
@@ -35,6 +39,8 @@ FORMATS: Final[tuple[MapFormat, ...]] = (
     WKT,
     MOVING_AI,
     IMR,
+    NUMPY_ARRAY,
+    SVG,
 )
 """The formats that are read."""
 

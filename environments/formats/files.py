@@ -68,24 +68,41 @@ def read_text(path: Path, *, max_bytes: int = MAX_TEXT_BYTES) -> str:
         raise MapFormatError(f"{path} cannot be read: {error}") from error
 
 
-def require_resolution(path: Path, resolution_m: float | None) -> float:
-    """Return the given metres per pixel or cell, for a format without a scale.
+def require_resolution(
+    path: Path,
+    resolution_m: float | None,
+    *,
+    unit: str = "cell",
+    least_m: float = SLIVER_WIDTH_M,
+) -> float:
+    """Return the given metres per pixel, cell or unit of a drawing, for a format without a scale.
+
+    Parameters
+    ----------
+    path : Path
+        The file, for messages.
+    resolution_m : float or None
+        The option of the reader.
+    unit : str
+        What has that size, for messages.
+    least_m : float
+        Smallest size in metres; by default 1 mm, below which space is not free.
 
     Raises
     ------
     MapFormatError
-        If it is None, not finite or below 1 mm.
+        If the resolution is None, not finite or too small.
     """
     if resolution_m is None:
         raise MapFormatError(
-            f"{path} does not say how large a cell is; "
-            "give the metres per cell with --resolution (resolution_m)"
+            f"{path} does not say how large a {unit} is; "
+            f"give the metres per {unit} with --resolution (resolution_m)"
         )
     resolution_m = require_number(path, "resolution", resolution_m)
-    if not (math.isfinite(resolution_m) and resolution_m >= SLIVER_WIDTH_M):
+    if not (math.isfinite(resolution_m) and resolution_m >= least_m):
         raise MapFormatError(
-            f"{path}: the resolution is {resolution_m:g} m per cell; "
-            f"it is a finite number of at least {SLIVER_WIDTH_M:g} m"
+            f"{path}: the resolution is {resolution_m:g} m per {unit}; "
+            f"it is a finite number of at least {least_m:g} m"
         )
     return resolution_m
 

@@ -73,29 +73,68 @@ def read_image(
         pixel.
     """
     resolution_m = require_resolution(path, resolution_m)
-    if threshold is not None:
-        threshold = require_number(path, "threshold", threshold)
-        if not 0.0 <= threshold <= 1.0:
-            raise MapFormatError(f"{path}: the threshold is {threshold:g}; lightness is in [0, 1]")
     pixels = read_pixels(path)
     levels, full = pixels.weighted(LUMA)
-    if threshold is None:
-        threshold = FREE_SHARE_OF_WHITE * _white(levels, full, pixels.opaque) / full
-    is_free = np.arange(full + 1) / full > threshold
-    free = is_free[levels]
-    if pixels.opaque is not None:
-        free &= pixels.opaque
-    if not free.any():
-        raise MapFormatError(
-            f"{path}: no opaque pixel is lighter than {threshold:.3g}, so there is no free space; "
-            "give a lower --threshold (threshold)"
-        )
+    free, threshold = free_pixels(path, levels, threshold, full=full, opaque=pixels.opaque)
     return build_environment(
         path,
         grid_polygons(path, free, resolution_m),
         name=name,
         origin=f"{path.name} at {resolution_m:g} m per pixel, free above lightness {threshold:.3g}",
     )
+
+
+def free_pixels(
+    path: Path,
+    levels: NDArray[np.uint8] | NDArray[np.uint32],
+    threshold: float | None,
+    *,
+    full: int = 255,
+    opaque: BoolArray | None = None,
+) -> tuple[BoolArray, float]:
+    """Return the mask of the free pixels of an image, and the threshold.
+
+    Parameters
+    ----------
+    path : Path
+        The file, for messages.
+    levels : int array, shape (rows, columns)
+        Lightness of the pixels, from 0 to `full`.
+    threshold : float or None
+        Lightness in [0, 1] above which a pixel is free; None for the default of `read_image`.
+    full : int
+        The largest level that there can be.
+    opaque : bool array, shape (rows, columns), optional
+        Mask of the pixels that may be free.
+
+    Returns
+    -------
+    free : bool array, shape (rows, columns)
+        Mask with at least one pixel.
+    threshold : float
+        The threshold that was used.
+
+    Raises
+    ------
+    MapFormatError
+        If the threshold is not in [0, 1], or no pixel is free.
+    """
+    if threshold is not None:
+        threshold = require_number(path, "threshold", threshold)
+        if not 0.0 <= threshold <= 1.0:
+            raise MapFormatError(f"{path}: the threshold is {threshold:g}; lightness is in [0, 1]")
+    else:
+        threshold = FREE_SHARE_OF_WHITE * _white(levels, full, opaque) / full
+    is_free = np.arange(full + 1) / full > threshold
+    free = is_free[levels]
+    if opaque is not None:
+        free &= opaque
+    if not free.any():
+        raise MapFormatError(
+            f"{path}: no opaque pixel is lighter than {threshold:.3g}, so there is no free space; "
+            "give a lower --threshold (threshold)"
+        )
+    return free, threshold
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -203,7 +242,9 @@ def _decoded(path: Path, image: "Image") -> Pixels:
     return Pixels(channels=channels, full=255, alpha=values[:, :, -1])
 
 
-def _white(levels: NDArray[np.uint32], full: int, opaque: BoolArray | None) -> int:
+def _white(
+    levels: NDArray[np.uint8] | NDArray[np.uint32], full: int, opaque: BoolArray | None
+) -> int:
     """Return the level that 99 % of the opaque pixels do not exceed."""
     histogram = np.zeros(full + 1, np.int64)
     for row, line in enumerate(levels):  # by rows: counting needs eight bytes a pixel

@@ -85,7 +85,10 @@ def arc_points(
     step = 2.0 * math.acos(max(0.0, 1.0 - tolerance / largest)) if largest > 0.0 else math.pi
     # At least 60 degrees a segment, so that a small circle does not become a line.
     step = min(max(step, 1e-9), math.pi / 3)
-    t = start + sweep * _steps(abs(sweep) / step)
+    number = abs(sweep) / step
+    if abs(sweep) > 6.28:  # whole ellipses have their four vertices
+        number = 4.0 * math.ceil(min(number, MAX_SEGMENTS) / 4.0)
+    t = start + sweep * _steps(number)
     x, y = radii[0] * np.cos(t), radii[1] * np.sin(t)
     cos, sin = math.cos(turn), math.sin(turn)
     return np.column_stack([center[0] + cos * x - sin * y, center[1] + sin * x + cos * y])

@@ -13,14 +13,14 @@ from shapely.geometry.base import BaseGeometry
 from multisrt.geometry.errors import MapFormatError
 from multisrt.geometry.numerics.kernel import FloatArray, IntArray, kernel
 
-MAX_POINTS: Final = 500_000
+MAX_POINTS: Final = 200_000
 """Upper bound of the points of a drawing, with its curves as polylines."""
 
-MAX_CANDIDATES: Final = 50_000_000
-"""Upper bound of the pairs of edges with boxes that overlap."""
+MAX_CANDIDATES: Final = 4_000_000_000
+"""Upper bound of the pairs of edges that are compared."""
 
-MAX_CROSSINGS: Final = 2_000_000
-"""Upper bound of the pairs of edges that touch."""
+MAX_CROSSINGS: Final = 500_000
+"""Upper bound of the pairs of edges that touch, but for those with a common end."""
 
 MAX_WINDINGS: Final = 2_000_000_000
 """Upper bound of the product of faces and edges of one shape."""
@@ -46,25 +46,19 @@ def require_few_crossings(path: Path, geometries: Sequence[BaseGeometry]) -> Non
         If there are more than `MAX_POINTS` points, or more than `MAX_CROSSINGS` pairs of edges
         touch.
     """
-    edges = _edges(path, geometries)
-    if len(edges) < 2:
-        return
-    lines = shapely.linestrings(edges)
-    tree = shapely.STRtree(lines)
-    candidates = crossings = 0
-    # A part at a time, so that the pairs of no part fill the memory.
-    size = max(1, 4_000_000 // len(lines))
-    for first in range(0, len(lines), size):
-        part = lines[first : first + size]
-        candidates += tree.query(part).shape[1]
-        if candidates <= MAX_CANDIDATES:
-            crossings += tree.query(part, predicate="intersects").shape[1]
-        # Every edge touches itself and two more, and every pair is found twice.
-        if candidates > MAX_CANDIDATES or crossings - 3 * len(lines) > 2 * MAX_CROSSINGS:
-            raise MapFormatError(
-                f"{path}: lines of the drawing cross too often; "
-                "leave out hatchings and patterns, and simplify it"
-            )
+    edges = _edges(path, geometries).reshape(-1, 4)
+    low, high = np.minimum(edges[:, :2], edges[:, 2:]), np.maximum(edges[:, :2], edges[:, 2:])
+    extent = high.max(axis=0, initial=-np.inf) - low.min(axis=0, initial=np.inf)
+    # Along the axis of which edges cover less, fewer pairs overlap.
+    cover = (high - low).mean(axis=0) / np.maximum(extent, 1e-9) if len(edges) else extent
+    if cover[1] < cover[0]:
+        edges = edges[:, [1, 0, 3, 2]]
+    order = np.argsort(np.minimum(edges[:, 0], edges[:, 2]), kind="stable")
+    if _cross_too_often(edges[order], MAX_CANDIDATES, MAX_CROSSINGS):
+        raise MapFormatError(
+            f"{path}: lines of the drawing cross too often; "
+            "leave out hatchings and patterns, and simplify it"
+        )
 
 
 def _edges(path: Path, geometries: Sequence[BaseGeometry]) -> FloatArray:
@@ -136,6 +130,44 @@ def filled(path: Path, rings: Sequence[FloatArray], rule: FillRule) -> BaseGeome
     turns = _windings(inside, np.ascontiguousarray(edges.reshape(-1, 4)))
     chosen = faces[turns % 2 == 1 if rule == "evenodd" else turns != 0]
     return shapely.union_all(chosen) if chosen.size else Polygon()
+
+
+@kernel
+def _cross_too_often(edges: FloatArray, max_candidates: int, max_crossings: int) -> bool:
+    """Return whether more pairs of edges touch, or have to be compared, than is allowed.
+
+    The edges x0, y0, x1, y1 are in the order of their smaller x.
+    """
+    candidates = crossings = 0
+    for i in range(len(edges)):
+        ax, ay, bx, by = edges[i]
+        right, low, high = max(ax, bx), min(ay, by), max(ay, by)
+        for j in range(i + 1, len(edges)):
+            cx, cy, dx, dy = edges[j]
+            if min(cx, dx) > right:
+                break
+            candidates += 1
+            if max(cy, dy) < low or min(cy, dy) > high:
+                continue
+            c = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
+            d = (bx - ax) * (dy - ay) - (by - ay) * (dx - ax)
+            a = (dx - cx) * (ay - cy) - (dy - cy) * (ax - cx)
+            b = (dx - cx) * (by - cy) - (dy - cy) * (bx - cx)
+            if (c > 0.0 and d > 0.0) or (c < 0.0 and d < 0.0):
+                continue
+            if (a > 0.0 and b > 0.0) or (a < 0.0 and b < 0.0):
+                continue
+            if (
+                (ax == cx and ay == cy)
+                or (ax == dx and ay == dy)
+                or (bx == cx and by == cy)
+                or (bx == dx and by == dy)
+            ):
+                continue
+            crossings += 1
+        if candidates > max_candidates or crossings > max_crossings:
+            return True
+    return False
 
 
 @kernel

@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Final
 
 from multisrt.environments.environment import Environment
+from multisrt.environments.formats.dxf import DXF, read_dxf
 from multisrt.environments.formats.geojson import GEOJSON, read_geojson
 from multisrt.environments.formats.image import IMAGE, read_image
 from multisrt.environments.formats.imr import IMR, read_imr
@@ -21,6 +22,7 @@ __all__ = [
     "MapFormat",
     "Reader",
     "format_of",
+    "read_dxf",
     "read_environment",
     "read_geojson",
     "read_image",
@@ -41,6 +43,7 @@ FORMATS: Final[tuple[MapFormat, ...]] = (
     IMR,
     NUMPY_ARRAY,
     SVG,
+    DXF,
 )
 """The formats that are read."""
 

@@ -16,6 +16,7 @@ EXTRAS: Final[Mapping[str, tuple[str, ...]]] = {
     "cluster": ("distributed",),
     "learn": ("gymnasium", "pettingzoo"),
     "animation": ("imageio-ffmpeg",),
+    "dxf": ("ezdxf",),
     "mcap": ("mcap",),
     "rerun": ("rerun-sdk",),
 }

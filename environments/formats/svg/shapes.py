@@ -17,6 +17,9 @@ from multisrt.environments.formats.svg.path_data import Subpath, subpaths
 from multisrt.environments.formats.svg.tree import Drawn
 from multisrt.geometry.numerics.arrays import FloatArray
 
+MIN_RADIUS_M: Final = 1e-6
+"""Half the width below which a stroke covers nothing, in metres."""
+
 CAPS: Final = {"butt": "flat", "round": "round", "square": "square"}
 JOINS: Final = {
     "miter": "mitre",
@@ -100,7 +103,7 @@ def stroke_area(drawn: Drawn, lines: Outline, px_m: float) -> BaseGeometry:
     width = length(style["stroke-width"], diagonal)
     if width < 0:
         raise SvgError(f"the stroke-width is {width:g}; it is not negative")
-    if width == 0 or not lines.local:
+    if not lines.local:
         return Polygon()
     try:
         cap, join = CAPS[style["stroke-linecap"]], JOINS[style["stroke-linejoin"]]
@@ -112,7 +115,9 @@ def stroke_area(drawn: Drawn, lines: Outline, px_m: float) -> BaseGeometry:
     radius_m = radius if is_fixed else radius * lines.scale
     if radius_m > MAX_COORDINATE_M:
         raise SvgError(f"a stroke is wider than {MAX_COORDINATE_M:g} m; check the scale")
-    step = 2 * math.acos(max(0.0, 1 - FLATNESS_M / radius_m)) if radius_m > FLATNESS_M else 1.6
+    if radius_m < MIN_RADIUS_M:
+        return Polygon()
+    step = 2 * math.acos(max(0.0, 1 - FLATNESS_M / radius_m))
     quarter = min(max(math.ceil(math.pi / 2 / step), 2), 64)
     area = shapely.union_all(
         np.asarray(

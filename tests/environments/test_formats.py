@@ -108,6 +108,9 @@ CONTENTS = {
     "well-known text": b"\nPolygon ((0 0, 1 0, 1 1, 0 0))",
     "MovingAI grid": b"type octile\nheight 1\nwidth 1\nmap\n.\n",
     "IMR polygons": b"\n[SCALE]\n1\n",
+    "numpy array": b"\x93NUMPY\x01\0",
+    "SVG": b"<?xml version='1.0'?>\n<svg width='1'>",
+    "DXF": b"  0\r\nSECTION\r\n  2\r\nHEADER\r\n",
 }
 
 

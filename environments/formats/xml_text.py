@@ -150,7 +150,9 @@ class _Builder:
         if self._texts:
             self._texts[-1].append(data)
 
-    def _document_type(self, name: str, system: str, public: str, declares: int) -> None:
+    def _document_type(
+        self, name: str, system: str | None, public: str | None, declares: bool
+    ) -> None:
         if declares:
             self._refuse("declarations in its document type")
 

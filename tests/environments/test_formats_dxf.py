@@ -10,8 +10,9 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from multisrt.environments.formats import dxf, format_of, read_environment
-from multisrt.environments.formats.dxf import WALL_THICKNESS_M
+from multisrt.environments.formats import format_of, read_environment
+from multisrt.environments.formats.dxf import reader
+from multisrt.environments.formats.dxf.reader import WALL_THICKNESS_M
 from multisrt.geometry.errors import MapFormatError
 
 ezdxf = pytest.importorskip("ezdxf")
@@ -371,7 +372,7 @@ def test_crossings_are_bounded(tmp_path):
 
 
 def test_large_files_are_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr(dxf, "MAX_DXF_BYTES", 1000)
+    monkeypatch.setattr(reader, "MAX_DXF_BYTES", 1000)
     with pytest.raises(MapFormatError, match="read up to 1,000"):
         read(tmp_path, outlined()[0])
 
@@ -410,10 +411,13 @@ def document(form):
     space.add_point((1, 2), dxfattribs=on("starts"))
     lens(space, "wall")
     hatch(space, "wall")
-    file = io.BytesIO() if form == "bin" else io.StringIO()
-    drawing.write(file, fmt=form)
-    value = file.getvalue()
-    return value if form == "bin" else value.encode()
+    if form == "bin":
+        raw = io.BytesIO()
+        drawing.write(raw, fmt="bin")
+        return raw.getvalue()
+    text = io.StringIO()
+    drawing.write(text)
+    return text.getvalue().encode()
 
 
 DOCUMENTS = [LIBRECAD.encode(), document("asc"), document("bin")]

@@ -2,7 +2,7 @@
 
 import math
 from pathlib import Path
-from typing import Final, NamedTuple, cast
+from typing import Final, Literal, NamedTuple, cast
 
 import numpy as np
 import shapely
@@ -20,8 +20,12 @@ from multisrt.geometry.numerics.arrays import FloatArray
 MIN_RADIUS_M: Final = 1e-6
 """Half the width below which a stroke covers nothing, in metres."""
 
-CAPS: Final = {"butt": "flat", "round": "round", "square": "square"}
-JOINS: Final = {
+CAPS: Final[dict[str, Literal["flat", "round", "square"]]] = {
+    "butt": "flat",
+    "round": "round",
+    "square": "square",
+}
+JOINS: Final[dict[str, Literal["mitre", "round", "bevel"]]] = {
     "miter": "mitre",
     "miter-clip": "mitre",
     "arcs": "mitre",
@@ -181,12 +185,12 @@ def _local(drawn: Drawn, tolerance: float) -> list[Subpath]:
             return [Subpath(np.reshape(sizes("x1", "y1", "x2", "y2"), (2, 2)), False)]
         case "rect":
             x, y, w, h = sizes("x", "y", "width", "height")
-            rx, ry = (attributes.get(name, "auto").strip() for name in ("rx", "ry"))
-            round_x = rx if rx != "auto" else ry
-            round_y = ry if ry != "auto" else rx
+            rounds = [attributes.get(name, "auto").strip() for name in ("rx", "ry")]
+            # One that is not given is as the other.
+            own = [one for one in rounds if one != "auto"] or ["0"]
             radii = [
-                0.0 if one == "auto" else length(one, whole)
-                for one, whole in ((round_x, width), (round_y, height))
+                length(own[0] if one == "auto" else one, whole)
+                for one, whole in zip(rounds, (width, height), strict=True)
             ]
             return _rectangle((x, y), (w, h), radii, tolerance)
     cx, cy = sizes("cx", "cy")

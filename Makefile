@@ -36,7 +36,7 @@ $(BASE_READY): pyproject.toml constraints.txt
 	@touch $(BASE_READY)
 
 $(READY): $(BASE_READY)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[plots,frames,polars,parquet,cluster,learn,animation,mcap,rerun,test,lint,bench,docs]'
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[plots,frames,polars,parquet,cluster,learn,animation,dxf,mcap,rerun,test,lint,bench,docs]'
 	@touch $(READY)
 
 demo: $(BASE_READY)

@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Final
 
 from multisrt.environments.environment import Environment
+from multisrt.environments.formats.dxf import DXF, read_dxf
 from multisrt.environments.formats.files import require_resolution
 from multisrt.environments.formats.geojson import GEOJSON, read_geojson
 from multisrt.environments.formats.house_expo import HOUSE_EXPO, read_house_expo
@@ -17,7 +18,9 @@ from multisrt.environments.formats.moving_ai_scenario import (
     read_moving_ai_scenario,
 )
 from multisrt.environments.formats.mresim import is_team, refuse_team_alone, with_team
+from multisrt.environments.formats.numpy_array import NUMPY_ARRAY, read_numpy_array
 from multisrt.environments.formats.stage import STAGE, read_stage
+from multisrt.environments.formats.svg import SVG, read_svg
 from multisrt.environments.formats.wkt import WKT, read_wkt
 from multisrt.geometry.errors import MapFormatError
 
@@ -27,6 +30,7 @@ __all__ = [
     "MapFormat",
     "Reader",
     "format_of",
+    "read_dxf",
     "read_environment",
     "read_geojson",
     "read_house_expo",
@@ -35,7 +39,9 @@ __all__ = [
     "read_map_server",
     "read_moving_ai",
     "read_moving_ai_scenario",
+    "read_numpy_array",
     "read_stage",
+    "read_svg",
     "read_wkt",
 ]
 
@@ -49,6 +55,9 @@ FORMATS: Final[tuple[MapFormat, ...]] = (
     MOVING_AI_SCENARIO,
     IMR,
     HOUSE_EXPO,
+    NUMPY_ARRAY,
+    SVG,
+    DXF,
 )
 """The formats that are read."""
 

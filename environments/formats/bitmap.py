@@ -9,7 +9,7 @@ Occupied cells that touch at a corner are joined (8-connected), free cells that 
 corner are not (4-connected): a robot cannot slip through a diagonal wall.
 """
 
-import math
+from typing import TypeAlias
 
 import numpy as np
 import shapely
@@ -22,9 +22,12 @@ from multisrt.geometry.numerics.kernel import BoolArray, FloatArray, IntArray, k
 MAX_CORNERS = 5_000_000
 """Upper bound of the corners of the boundary; a grid with more is noise or a photograph."""
 
+Resolution: TypeAlias = float | tuple[float, float]
+"""Side of a square cell in metres, or the width (along x) and the height (along y) of a cell."""
+
 
 def polygons_from_grid(
-    free: BoolArray, resolution_m: float, *, tolerance_cells: float = 0.45
+    free: BoolArray, resolution_m: Resolution, *, tolerance_cells: float = 0.45
 ) -> MultiPolygon:
     """Return the free space of an occupancy grid as polygons.
 
@@ -33,13 +36,13 @@ def polygons_from_grid(
     free : bool array, shape (rows, columns)
         True where a cell is free. Row 0 is the lowest, column 0 the leftmost; the outside of
         the grid is not free.
-    resolution_m : float
-        Side of a cell in metres.
+    resolution_m : float or (x, y)
+        Side of a cell in metres, or its width and its height where cells are not square.
     tolerance_cells : float
         Maximum displacement of a wall between two cells, in cells, in [0, 0.5). With 0 it
         passes through the middle of every cell border, so that only staircases of 45
         degrees become straight. Walls and gaps of one cell keep at least
-        ``(1 - 2 * tolerance_cells) / sqrt(2)`` of a cell's width.
+        ``(1 - 2 * tolerance_cells) / sqrt(2)`` of a cell's shorter side.
 
     Returns
     -------
@@ -47,7 +50,7 @@ def polygons_from_grid(
         Valid polygons in metres, with the lower left corner of the grid at the origin: one
         polygon for each 4-connected component of free cells, with one hole for each 8-connected
         group of other cells inside it. No two rings touch. The distance between its boundary
-        and that of the cells is at most ``hypot(0.5, tolerance_cells)`` cells.
+        and that of the cells is at most ``hypot(0.5, tolerance_cells)`` of a cell's longer side.
 
     Raises
     ------
@@ -63,16 +66,18 @@ def polygons_from_grid(
     >>> free = polygons_from_grid(room, 0.5)
     >>> free.area, len(free.geoms[0].interiors), free.bounds
     (5.5, 1, (0.0, 0.0, 3.0, 2.0))
+
+    The same with cells of 0.5 x 0.25 m:
+
+    >>> polygons_from_grid(room, (0.5, 0.25)).bounds
+    (0.0, 0.0, 3.0, 1.0)
     """
     free = np.asarray(free, dtype=np.bool_)
     if free.ndim != 2:
         raise InvalidInputError(
             f"an occupancy grid has rows and columns; this array has shape {free.shape}"
         )
-    if not (math.isfinite(resolution_m) and resolution_m > 0):
-        raise InvalidInputError(
-            f"resolution_m is {resolution_m}; it is a positive number of metres per cell"
-        )
+    cell = _cell_sides(resolution_m)
     if not 0 <= tolerance_cells < 0.5:
         raise InvalidInputError(
             f"tolerance_cells is {tolerance_cells}; it is at least 0 and below 0.5, "
@@ -89,7 +94,18 @@ def polygons_from_grid(
         )
     turns, pinched, ring_starts, ring_cells = _trace(padded, corners)
     vertices, vertex_starts = straighten_rings(turns, pinched, ring_starts, tolerance_cells)
-    return _assemble(free, vertices * resolution_m, vertex_starts, ring_cells)
+    return _assemble(free, vertices * cell, vertex_starts, ring_cells)
+
+
+def _cell_sides(resolution_m: Resolution) -> FloatArray:
+    """Return the width and the height of a cell in metres."""
+    sides = np.asarray(resolution_m, np.float64)
+    if sides.shape not in ((), (2,)) or not (np.isfinite(sides) & (sides > 0)).all():
+        raise InvalidInputError(
+            f"resolution_m is {resolution_m}; it is a positive number of metres per cell, or two, "
+            "along x and along y"
+        )
+    return np.broadcast_to(sides, 2)
 
 
 def _count_corners(padded: BoolArray) -> int:

@@ -11,7 +11,7 @@ from shapely import MultiPolygon
 from shapely.geometry.base import BaseGeometry
 
 from multisrt.environments.environment import SLIVER_WIDTH_M, Environment
-from multisrt.environments.formats.bitmap import polygons_from_grid
+from multisrt.environments.formats.bitmap import Resolution, polygons_from_grid
 from multisrt.geometry.errors import InvalidInputError, MapFormatError
 from multisrt.geometry.numerics.kernel import BoolArray
 
@@ -137,24 +137,41 @@ def named_file(folder: Path, name: str, place: str) -> Path:
     return found
 
 
-def require_resolution(path: Path, resolution_m: float | None) -> float:
-    """Return the given metres per pixel or cell, for a format without a scale.
+def require_resolution(
+    path: Path,
+    resolution_m: float | None,
+    *,
+    unit: str = "cell",
+    least_m: float = SLIVER_WIDTH_M,
+) -> float:
+    """Return the given metres per pixel, cell or unit of a drawing, for a format without a scale.
+
+    Parameters
+    ----------
+    path : Path
+        The file, for messages.
+    resolution_m : float or None
+        The option of the reader.
+    unit : str
+        What has that size, for messages.
+    least_m : float
+        Smallest size in metres; by default 1 mm, below which space is not free.
 
     Raises
     ------
     MapFormatError
-        If it is None, not finite or below 1 mm.
+        If the resolution is None, not finite or too small.
     """
     if resolution_m is None:
         raise MapFormatError(
-            f"{path} does not say how large a cell is; "
-            "give the metres per cell with --resolution (resolution_m)"
+            f"{path} does not say how large a {unit} is; "
+            f"give the metres per {unit} with --resolution (resolution_m)"
         )
     resolution_m = require_number(path, "resolution", resolution_m)
-    if not (math.isfinite(resolution_m) and resolution_m >= SLIVER_WIDTH_M):
+    if not (math.isfinite(resolution_m) and resolution_m >= least_m):
         raise MapFormatError(
-            f"{path}: the resolution is {resolution_m:g} m per cell; "
-            f"it is a finite number of at least {SLIVER_WIDTH_M:g} m"
+            f"{path}: the resolution is {resolution_m:g} m per {unit}; "
+            f"it is a finite number of at least {least_m:g} m"
         )
     return resolution_m
 
@@ -197,8 +214,17 @@ def refuse_threshold(path: Path, threshold: float | None) -> None:
         raise MapFormatError(f"{path} is not a plain image; leave out --threshold (threshold)")
 
 
-def grid_polygons(path: Path, free: BoolArray, resolution_m: float) -> MultiPolygon:
+def grid_polygons(path: Path, free: BoolArray, resolution_m: Resolution) -> MultiPolygon:
     """Return the polygons of the free cells of a file, whose first row is at the top.
+
+    Parameters
+    ----------
+    path : Path
+        The file, for messages.
+    free : bool array, shape (rows, columns)
+        True where a cell is free.
+    resolution_m : float or (x, y)
+        Side of a cell in metres, or its width and its height.
 
     Raises
     ------

@@ -16,8 +16,8 @@ EXTRAS: Final[Mapping[str, tuple[str, ...]]] = {
     "cluster": ("distributed",),
     "learn": ("gymnasium", "pettingzoo"),
     "animation": ("imageio-ffmpeg",),
-    "mcap": ("mcap",),
     "dxf": ("ezdxf",),
+    "mcap": ("mcap",),
     "rerun": ("rerun-sdk",),
 }
 """The packages that each extra brings."""

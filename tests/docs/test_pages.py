@@ -10,6 +10,7 @@ import tomllib
 import webbrowser
 from dataclasses import dataclass
 from pathlib import Path
+from xml.etree import ElementTree
 
 import click
 import msgspec
@@ -103,6 +104,10 @@ def workplace(tmp_path, monkeypatch):
     )
     square = [[[0, 0], [9, 0], [9, 7], [0, 7], [0, 0]]]
     Path("plan.geojson").write_text(json.dumps({"type": "Polygon", "coordinates": square}))
+    Path("plan.svg").write_text(
+        '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 900 700">'
+        '<rect class="free" width="900" height="700"/></svg>'
+    )
 
     Path("simple.world").write_text(
         'model ( bitmap "plan.png" size [8 6 1] ) position ( pose [-2 0 0 0] )'
@@ -204,6 +209,8 @@ def test_examples_run(page, workplace):
                 json.loads(block.text)
             case "yaml":
                 yaml.safe_load(block.text)
+            case "xml":
+                ElementTree.fromstring(block.text)
             case language:
                 assert language in ("text", "python"), f"{page.name}: a block of {language!r}"
 

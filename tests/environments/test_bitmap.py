@@ -7,6 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 from scipy import ndimage
+from shapely import MultiPolygon
 
 from multisrt.environments import Environment
 from multisrt.environments.formats import bitmap
@@ -113,6 +114,35 @@ def test_single_cells_stay_squares():
     assert polygons_from_grid(grid("."), 2.0).equals(shapely.box(0, 0, 2, 2))
 
 
+def test_cells_have_a_width_and_a_height():
+    polygons = polygons_from_grid(grid("......", ".##...", ".##...", "......"), (0.5, 0.2))
+    outline = shapely.box(0, 0, 3, 0.8) - shapely.box(0.5, 0.2, 1.5, 0.6)
+    assert shapely.equals_exact(
+        polygons.normalize(), MultiPolygon(shapely.get_parts(outline).tolist()).normalize(), 1e-12
+    )
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    free=grids,
+    sides=st.tuples(st.floats(1e-3, 1e3), st.floats(1e-3, 1e3)),
+    tolerance=tolerances,
+)
+def test_walls_are_chosen_in_cells_whatever_their_sides(free, sides, tolerance):
+    square = polygons_from_grid(free, 1.0, tolerance_cells=tolerance)
+    stretched = polygons_from_grid(free, sides, tolerance_cells=tolerance)
+    assert stretched.is_valid
+    np.testing.assert_allclose(
+        shapely.get_coordinates(stretched), shapely.get_coordinates(square) * sides, rtol=1e-12
+    )
+
+
+@given(free=grids, side=st.floats(1e-3, 1e3))
+def test_equal_sides_give_the_bytes_of_square_cells(free, side):
+    square, pair = polygons_from_grid(free, side), polygons_from_grid(free, (side, side))
+    assert shapely.to_wkb(square) == shapely.to_wkb(pair)
+
+
 def test_row_zero_is_the_lowest():
     polygons = polygons_from_grid(np.array([[True, True], [True, False]]), 1.0)
     assert polygons.contains(shapely.Point(1.5, 0.5))
@@ -197,6 +227,9 @@ def test_no_free_cell_gives_an_empty_geometry():
         (np.ones(4, dtype=bool), 1.0, 0.45, r"shape \(4,\)"),
         (np.ones((2, 2), dtype=bool), 0.0, 0.45, "resolution_m is 0"),
         (np.ones((2, 2), dtype=bool), math.nan, 0.45, "resolution_m is nan"),
+        (np.ones((2, 2), dtype=bool), (1.0, 0.0), 0.45, r"resolution_m is \(1.0, 0.0\)"),
+        (np.ones((2, 2), dtype=bool), (1.0, math.inf), 0.45, r"resolution_m is \(1.0, inf\)"),
+        (np.ones((2, 2), dtype=bool), (1.0, 1.0, 1.0), 0.45, "or two, along x and along y"),
         (np.ones((2, 2), dtype=bool), 1.0, 0.5, "tolerance_cells is 0.5"),
         (np.ones((2, 2), dtype=bool), 1.0, math.nan, "tolerance_cells is nan"),
     ],

@@ -116,6 +116,9 @@ CONTENTS = {
     "MovingAI scenario": b"version 1\n0\ta.map\t1\t1\t0\t0\t0\t0\t0\n",
     "Stage world": b'# a world\ninclude "map.inc"\nfloorplan ( bitmap "a.png" )\n',
     "HouseExpo": b'{"verts": [[0, 0], [1, 0], [1, 1]], "id": "a", "room_num": 1}',
+    "numpy array": b"\x93NUMPY\x01\0",
+    "SVG": b"<?xml version='1.0'?>\n<svg width='1'>",
+    "DXF": b"  0\r\nSECTION\r\n  2\r\nHEADER\r\n",
 }
 
 

@@ -1,0 +1,81 @@
+"""What the parts of a drawn plan mean, by the names of layers: free space, walls, starts."""
+
+import re
+from collections.abc import Iterable
+from enum import Enum
+from typing import Final
+
+
+class Role(Enum):
+    """What a part of a plan is."""
+
+    FREE = "free"
+    """Its area is free space, or the outline of it."""
+
+    WALL = "wall"
+    """What is drawn of it is occupied: areas that are filled, and lines."""
+
+    OBSTACLE = "obstacle"
+    """Its area is occupied, filled or not."""
+
+    DOOR = "door"
+    """What is drawn of it is an opening in walls."""
+
+    START = "start"
+    """Its centre is a suggested start."""
+
+
+# In the order in which they count: a "wall door" is a door, an "obstacle outline" an obstacle.
+WORDS: Final = {
+    Role.DOOR: ("door", "doors", "doorway", "doorways", "opening", "openings"),
+    Role.OBSTACLE: (
+        "obstacle",
+        "obstacles",
+        "occupied",
+        "blocked",
+        "column",
+        "columns",
+        "cols",
+        "pillar",
+        "pillars",
+        "furniture",
+        "furn",
+    ),
+    Role.WALL: ("wall", "walls", "window", "windows", "glaz", "glazing"),
+    Role.START: ("start", "starts"),
+    Role.FREE: ("free", "outline", "outlines", "boundary", "boundaries", "border"),
+}
+"""The words in names by which parts have roles."""
+
+_ROLES: Final = {word: role for role, words in WORDS.items() for word in words}
+_WORD: Final = re.compile(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])")
+
+
+def role_of(names: Iterable[str]) -> Role | None:
+    """Return the role of a part of a plan by its names.
+
+    Parameters
+    ----------
+    names : iterable of str
+        Names of the part: label, class, identifier or layer. Upper and lower case are the same,
+        and words may be joined by capitals, digits and signs.
+
+    Returns
+    -------
+    Role or None
+        None if the names have none of the `WORDS`.
+
+    Examples
+    --------
+    >>> role_of(["A-WALL-FULL"]), role_of(["innerWalls2"]), role_of(["layer1", "Free space"])
+    (<Role.WALL: 'wall'>, <Role.WALL: 'wall'>, <Role.FREE: 'free'>)
+    >>> role_of(["wallpaper"]) is None
+    True
+    """
+    found = {_ROLES.get(word.lower()) for name in names for word in _WORD.findall(name)}
+    return next((role for role in WORDS if role in found), None)
+
+
+def role_names() -> str:
+    """Return the words of roles of areas and walls, for messages."""
+    return ", ".join(WORDS[role][0] for role in (Role.WALL, Role.OBSTACLE, Role.FREE))

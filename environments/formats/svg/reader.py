@@ -1,0 +1,360 @@
+"""Floor plans in SVG as worlds.
+
+A plan says what is free in one of two ways. If layers, classes or identifiers name walls,
+obstacles or free space, these count and nothing else does. If there is no such name, a plan is
+what it looks like: where the topmost paint is dark there is a wall, elsewhere on the page is free
+space.
+"""
+
+import re
+from pathlib import Path
+from typing import Final, NamedTuple
+
+import numpy as np
+import shapely
+from shapely import Polygon
+from shapely.geometry.base import BaseGeometry
+
+from multisrt.environments.environment import Environment
+from multisrt.environments.formats.files import (
+    build_environment,
+    refuse_threshold,
+    require_number,
+)
+from multisrt.environments.formats.map_format import Beginning, MapFormat
+from multisrt.environments.formats.plan import Role, role_names
+from multisrt.environments.formats.regions import require_few_crossings
+from multisrt.environments.formats.svg.lengths import (
+    SvgError,
+    matrix,
+)
+from multisrt.environments.formats.svg.page import Page, page_of
+from multisrt.environments.formats.svg.shapes import (
+    Outline,
+    closed_area,
+    fill_area,
+    outline,
+    stroke_area,
+)
+from multisrt.environments.formats.svg.styles import lightness_and_alpha, opacity
+from multisrt.environments.formats.svg.tree import Clip, Document, Drawn
+from multisrt.environments.formats.xml_text import read_xml, root_name
+from multisrt.geometry.errors import MapFormatError
+
+DARK_LIGHTNESS: Final = 0.5
+"""Default threshold: paint that is not lighter is a wall."""
+
+MAX_OUTSIDE: Final = 0.01
+"""Largest share of walls that may be outside the page."""
+
+
+def read_svg(
+    path: Path,
+    *,
+    resolution_m: float | None = None,
+    threshold: float | None = None,
+    name: str | None = None,
+) -> Environment:
+    """Read a floor plan in SVG.
+
+    **By names.** A shape has the role of the first of these words in its own label (Inkscape),
+    class or identifier, or in that of the nearest group: ``door``, ``obstacle`` (also ``column``,
+    ``furniture``), ``wall`` (also ``window``), ``start``, ``free`` (also ``outline``,
+    ``boundary``); see `multisrt.environments.formats.plan.WORDS`. If some shape is a wall, an
+    obstacle or free, only shapes with a role count. Free space is the area of what is free, or
+    else the page, without the areas of obstacles, and without what is painted of walls (fills, and
+    strokes at their width) but for what is painted of doors. The centre of each part of a start is
+    a suggested start.
+
+    **By lightness.** If there are no such names, a plan is what it looks like: free space is the
+    page where its topmost paint is lighter than the threshold, or where there is none. Text and
+    dashed lines, by which plans show what is above or hidden, are left out.
+
+    **Scale.** ``--resolution`` gives the metres per user unit. Without it a page in mm, cm or
+    inches is taken at its own size if a side has at least 1.2 m; a smaller page is paper, and the
+    scale of what is on it is asked for. Pictures of this package are in metres.
+
+    The lower left corner of the page is the origin, y is up; without a page (neither ``viewBox``
+    nor ``width`` and ``height``) it is that of the shapes. Curves are replaced by polylines within
+    5 mm of them.
+
+    Parameters
+    ----------
+    path : Path
+        SVG 1.1 or 2 in UTF-8: paths, basic shapes, groups, transforms, ``use``, ``symbol``,
+        ``clipPath``, attributes, ``style`` and simple rules of style sheets.
+    resolution_m : float, optional
+        Metres per user unit, a unit of the ``viewBox`` or else a pixel.
+    threshold : float, optional
+        In [0, 1]: paint is free if its lightness is greater. By default 0.5. Only for plans
+        without names.
+    name : str, optional
+        By default the file's name without suffix.
+
+    Raises
+    ------
+    MapFormatError
+        If the file is not such a drawing, has no scale and none is given, refers to other files,
+        draws what cannot be read (images, patterns, masks), or has no walls or no free space.
+
+    Notes
+    -----
+    Source: W3C, Scalable Vector Graphics (SVG) 2, 2018; differs in: dashes, markers, text, filters
+    and animations are not drawn, and what is wrong raises an error.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> plan = '''<svg viewBox="0 0 6 4" xmlns="http://www.w3.org/2000/svg">
+    ...   <rect class="free" width="6" height="4"/>
+    ...   <line class="wall" x1="3" x2="3" y2="2" stroke="black" stroke-width="0.5"/>
+    ... </svg>'''
+    >>> _ = Path("plan.svg").write_text(plan)
+    >>> read_svg(Path("plan.svg"), resolution_m=1.0).area_m2
+    23.0
+    """
+    document = Document(path, read_xml(path))
+    try:
+        page = page_of(document, resolution_m)
+    except SvgError as error:
+        raise document.wrong(document.root, error) from error
+    shapes = list(document.drawn(page.element, page.matrix, page.viewport))
+    plan = _Plan(document, page, shapes)
+    if plan.has_names:
+        refuse_threshold(path, threshold)
+        free, rule = plan.free_by_names(), "walls by their names"
+    else:
+        level = (
+            DARK_LIGHTNESS if threshold is None else require_number(path, "threshold", threshold)
+        )
+        if not 0.0 <= level <= 1.0:
+            raise MapFormatError(f"{path}: the threshold is {level:g}; lightness is in [0, 1]")
+        free = plan.free_by_lightness(level)
+        rule = f"free above lightness {level:.3g}"
+    starts = plan.starts()
+    if page.frame is None:
+        x, y = plan.corner
+        free = shapely.transform(free, lambda points: points - (x, y))
+        starts = [(sx - x, sy - y) for sx, sy in starts]
+    return build_environment(
+        path, free, name=name, origin=f"{path.name} {page.scale}, {rule}", starts=starts
+    )
+
+
+class _Paint(NamedTuple):
+    """An area that is painted, light or dark."""
+
+    area: BaseGeometry
+    is_light: bool
+
+
+class _Plan:
+    """The shapes of a document, and what is free by them."""
+
+    def __init__(self, document: Document, page: Page, shapes: list[Drawn]) -> None:
+        self._document = document
+        self._path = document.path
+        self._page = page
+        named = {Role.FREE, Role.WALL, Role.OBSTACLE}
+        self.has_names = any(one.role in named for one in shapes)
+        if self.has_names:
+            shapes = [one for one in shapes if one.role is not None]
+        self._clips: dict[tuple[int, bytes], BaseGeometry] = {}
+        self._shapes: list[tuple[Drawn, Outline]] = []
+        for one in shapes:
+            if one.element.name == "image":
+                if one.role is not Role.START:
+                    raise document.wrong(
+                        one.element, "images are not read; hide or delete it, or trace its walls"
+                    )
+                continue
+            try:
+                self._shapes.append((one, outline(one)))
+            except SvgError as error:
+                raise document.wrong(one.element, error) from error
+        lines = [
+            shapely.LineString(points)
+            for _, outlines in self._shapes
+            for points, _ in outlines.metres
+            if len(points) > 1
+        ]
+        require_few_crossings(self._path, lines)
+        self.corner = (0.0, 0.0)
+
+    def starts(self) -> list[tuple[float, float]]:
+        """Return the centres of the parts of starts."""
+        return [
+            (float(x), float(y))
+            for one, lines in self._shapes
+            if one.role is Role.START
+            for x, y in (
+                (points.min(axis=0) + points.max(axis=0)) / 2 for points, _ in lines.metres
+            )
+        ]
+
+    def free_by_names(self) -> BaseGeometry:
+        """Return free space where walls, obstacles or free space have names."""
+        areas: dict[Role, list[BaseGeometry]] = {role: [] for role in Role}
+        for one, lines in self._shapes:
+            if one.role is None or one.role is Role.START:
+                continue
+            try:
+                areas[one.role].append(self._cut(one, self._named_area(one, lines)))
+            except SvgError as error:
+                raise self._document.wrong(one.element, error) from error
+        require_few_crossings(self._path, [area for some in areas.values() for area in some])
+        united = {role: shapely.union_all(np.asarray(some)) for role, some in areas.items()}
+        walls = united[Role.WALL] - united[Role.DOOR] | united[Role.OBSTACLE]
+        if areas[Role.FREE]:
+            free = united[Role.FREE]
+            if free.is_empty:
+                raise MapFormatError(
+                    f"{self._path}: the shapes named free or outline have no area; draw a closed "
+                    "outline"
+                )
+            return self._placed(free, free - walls)
+        if walls.is_empty:
+            raise MapFormatError(
+                f"{self._path}: nothing is painted of the shapes named wall; give them a stroke or "
+                "a fill"
+            )
+        frame = self._frame(walls)
+        return self._placed(frame, frame - walls)
+
+    def _named_area(self, one: Drawn, lines: Outline) -> BaseGeometry:
+        if one.role is Role.FREE:
+            return fill_area(self._path, one, lines)
+        if one.role is Role.OBSTACLE:
+            closed = closed_area(self._path, one, lines)
+            if not closed.is_empty:
+                return closed
+        color = one.style["color"]
+        is_filled = _is_painted(one.style["fill"], color)
+        area = fill_area(self._path, one, lines) if is_filled else Polygon()
+        if _is_painted(one.style["stroke"], color):
+            area = area | stroke_area(one, lines, self._page.px_m)
+        return area
+
+    def free_by_lightness(self, threshold: float) -> BaseGeometry:
+        """Return free space where there are no names."""
+        paints: list[_Paint] = []
+        for one, lines in self._shapes:
+            if one.role is not Role.START:
+                try:
+                    paints.extend(self._painted(one, lines, threshold))
+                except SvgError as error:
+                    raise self._document.wrong(one.element, error) from error
+        require_few_crossings(self._path, [paint.area for paint in paints])
+        walls = _topmost_dark(paints)
+        if walls.is_empty:
+            raise MapFormatError(
+                f"{self._path} has no walls: no shape that is painted is darker than "
+                f"{threshold:.3g}, and none is named; paint walls dark, give a higher --threshold "
+                f"(threshold), or name layers {role_names()}"
+            )
+        frame = self._frame(walls)
+        return self._placed(frame, frame - walls)
+
+    def _painted(self, one: Drawn, lines: Outline, threshold: float) -> list[_Paint]:
+        """Return what a shape paints: its fill below its stroke."""
+        style = one.style
+        paints = []
+        for kind in ("fill", "stroke"):
+            color = lightness_and_alpha(style[kind], style["color"])
+            if color is None or (kind == "stroke" and _is_dashed(style["stroke-dasharray"])):
+                continue
+            lightness, alpha = color
+            alpha *= one.opacity * opacity(style[f"{kind}-opacity"])
+            # What is seen of it on black and on white; in between nothing changes.
+            if alpha * lightness > threshold:
+                is_light = True
+            elif 1 - alpha * (1 - lightness) <= threshold:
+                is_light = False
+            else:
+                continue
+            area = (
+                fill_area(self._path, one, lines)
+                if kind == "fill"
+                else stroke_area(one, lines, self._page.px_m)
+            )
+            area = self._cut(one, area)
+            if not area.is_empty:
+                paints.append(_Paint(area, is_light))
+        return paints
+
+    def _cut(self, one: Drawn, area: BaseGeometry) -> BaseGeometry:
+        """Return the part of an area that clip paths leave."""
+        for clip in one.clips:
+            key = (id(clip.element), clip.matrix.tobytes())
+            if key not in self._clips:
+                self._clips[key] = self._clip_area(clip, one.viewport)
+            area = area & self._clips[key]
+        return area
+
+    def _clip_area(self, clip: Clip, viewport: tuple[float, float]) -> BaseGeometry:
+        own = matrix(clip.element.attributes.get("transform", ""))
+        shapes = self._document.drawn(clip.element, clip.matrix @ own, viewport)
+        areas = [
+            fill_area(self._path, one, outline(one), "clip-rule")
+            for one in shapes
+            if one.element.name != "image"
+        ]
+        require_few_crossings(self._path, areas)
+        return shapely.union_all(np.asarray(areas)) if areas else Polygon()
+
+    def _frame(self, walls: BaseGeometry) -> BaseGeometry:
+        """Return the page, or else the box around walls."""
+        if self._page.frame is None:
+            return shapely.box(*walls.bounds)
+        outside = walls.difference(self._page.frame).area
+        if outside > MAX_OUTSIDE * walls.area:
+            raise MapFormatError(
+                f"{self._path}: {outside / walls.area:.0%} of the walls are outside the page; "
+                "resize the page to its content, or draw an outline of free space that is named so"
+            )
+        return self._page.frame
+
+    def _placed(self, frame: BaseGeometry, free: BaseGeometry) -> BaseGeometry:
+        """Return free space, and note the corner that becomes the origin."""
+        if free.is_empty:
+            raise MapFormatError(f"{self._path}: walls cover everything, so there is no free space")
+        if self._page.frame is None and self._page.element is self._document.root:
+            self.corner = frame.bounds[:2]
+        return free
+
+
+def _is_painted(paint: str, color: str) -> bool:
+    """Return whether something is painted, whatever its colour."""
+    return paint.strip().lower() not in ("none", "transparent") and not (
+        paint.strip().lower() == "currentcolor" and color.strip().lower() == "transparent"
+    )
+
+
+def _is_dashed(text: str) -> bool:
+    return bool(re.search(r"[1-9]", text))
+
+
+def _topmost_dark(paints: list[_Paint]) -> BaseGeometry:
+    """Return the area on which the last paint is dark."""
+    dark = [(k, paint.area) for k, paint in enumerate(paints) if not paint.is_light]
+    light = [(k, paint.area) for k, paint in enumerate(paints) if paint.is_light]
+    if not dark:
+        return Polygon()
+    visible = np.array([area for _, area in dark], np.object_)
+    if light:
+        tree = shapely.STRtree([area for _, area in light])
+        order = np.array([k for k, _ in light])
+        for index, (k, area) in enumerate(dark):
+            later = tree.query(area, predicate="intersects")
+            later = later[order[later] > k]
+            if later.size:
+                cover = shapely.union_all(tree.geometries[np.sort(later)])
+                visible[index] = area - cover
+    return shapely.union_all(visible)
+
+
+def _is_svg_file(beginning: Beginning) -> bool:
+    return root_name(beginning.text) == "svg"
+
+
+SVG = MapFormat(name="SVG", suffixes=(".svg",), recognises=_is_svg_file, read=read_svg)

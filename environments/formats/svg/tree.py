@@ -1,0 +1,296 @@
+"""The shapes of an SVG document that are drawn, with what they inherit from groups."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from multisrt.environments.formats.plan import Role, role_of
+from multisrt.environments.formats.svg.lengths import (
+    MAX_NUMBER,
+    SvgError,
+    fitted,
+    length,
+    matrix,
+    numbers,
+)
+from multisrt.environments.formats.svg.styles import INITIAL, StyleSheet, opacity
+from multisrt.environments.formats.xml_text import MAX_DEPTH, MAX_ELEMENTS, Element
+from multisrt.geometry.errors import MapFormatError
+from multisrt.geometry.numerics.arrays import FloatArray
+
+SVG_NAMESPACE: Final = "http://www.w3.org/2000/svg"
+LABEL: Final = "http://www.inkscape.org/namespaces/inkscape label"
+HREFS: Final = ("href", "http://www.w3.org/1999/xlink href")
+
+SHAPES: Final = frozenset({"path", "rect", "circle", "ellipse", "line", "polyline", "polygon"})
+GROUPS: Final = frozenset({"g", "a", "svg", "switch"})
+
+
+class Clip(NamedTuple):
+    """A ``clipPath`` element and the transform from its user space."""
+
+    element: Element
+    matrix: FloatArray
+    style: dict[str, str]
+
+
+class Drawn(NamedTuple):
+    """A shape (or image) that is drawn.
+
+    Attributes
+    ----------
+    element : Element
+        The shape.
+    matrix : float array, shape (3, 3)
+        Transform from its user space.
+    style : dict of str to str
+        Its properties.
+    opacity : float
+        Opacity of the shape and of all groups around it.
+    role : Role or None
+        By its own names, or else those of the nearest group that has one.
+    clips : tuple of Clip
+        What it is cut to.
+    viewport : (width, height)
+        What lengths in per cent refer to, in user units.
+    """
+
+    element: Element
+    matrix: FloatArray
+    style: dict[str, str]
+    opacity: float
+    role: Role | None
+    clips: tuple[Clip, ...]
+    viewport: tuple[float, float]
+
+
+class _Context(NamedTuple):
+    matrix: FloatArray
+    style: dict[str, str]
+    opacity: float
+    role: Role | None
+    clips: tuple[Clip, ...]
+    viewport: tuple[float, float]
+    depth: int
+
+
+class Document:
+    """An SVG document.
+
+    Parameters
+    ----------
+    path : Path
+        The file, for messages.
+    root : Element
+        Its root.
+
+    Raises
+    ------
+    MapFormatError
+        If the root is not ``svg``, or its style sheets are not understood.
+    """
+
+    def __init__(self, path: Path, root: Element) -> None:
+        if root.name != "svg" or not is_svg(root):
+            raise MapFormatError(f"{path} has the root {root.name[:40]}; the root of SVG is svg")
+        self.path = path
+        self.root = root
+        elements = [one for one in _all(root) if is_svg(one)]
+        self.by_id = {one.attributes["id"]: one for one in elements if "id" in one.attributes}
+        self._sheet = StyleSheet(path, [one for one in elements if one.name == "style"])
+        self._count = 0
+
+    def wrong(self, element: Element, what: object) -> MapFormatError:
+        """Return an error at an element."""
+        return MapFormatError(f"{self.path}, line {element.line}, <{element.name[:40]}>: {what}")
+
+    def drawn(
+        self, element: Element, transform: FloatArray, viewport: tuple[float, float]
+    ) -> Iterator[Drawn]:
+        """Return the shapes in an element that are drawn, in their order.
+
+        Parameters
+        ----------
+        element : Element
+            A group, or the root, whose own transform and view box are not applied.
+        transform : float array, shape (3, 3)
+            Transform from its user space.
+        viewport : (width, height)
+            Size of its viewport, in user units.
+
+        Raises
+        ------
+        MapFormatError
+            If an attribute is wrong, a reference leads nowhere or out of the file, or too much is
+            drawn.
+        """
+        try:
+            style = self._sheet.computed(element, INITIAL)
+        except SvgError as error:
+            raise self.wrong(element, error) from error
+        context = _Context(transform, style, opacity(style["opacity"]), None, (), viewport, 0)
+        if style["display"] != "none":
+            for child in element.children:
+                yield from self._drawn(child, context)
+
+    def _drawn(self, element: Element, around: _Context) -> Iterator[Drawn]:
+        if not is_svg(element) or not (
+            element.name in SHAPES or element.name in GROUPS or element.name in ("use", "image")
+        ):
+            return
+        self._count += 1
+        if self._count > MAX_ELEMENTS:
+            raise self.wrong(element, f"more than {MAX_ELEMENTS:,} elements are drawn; simplify it")
+        if around.depth > MAX_DEPTH:
+            raise self.wrong(element, f"groups and uses are nested more than {MAX_DEPTH} deep")
+        try:
+            context = self._inside(element, around)
+            if context is None:
+                return
+            if element.name == "use":
+                target, context = self._used(element, context)
+                children = [target]
+                if target.name == "symbol":
+                    context = self._named(target, context)
+                    children = target.children
+            else:
+                if element.name == "svg":
+                    context = self._nested(element, context)
+                children = element.children if element.name in GROUPS else []
+        except SvgError as error:
+            raise self.wrong(element, error) from error
+        if element.name in SHAPES or element.name == "image":
+            if context.style["visibility"] == "visible":
+                yield Drawn(element, *context[:-1])
+            return
+        for child in children:
+            yield from self._drawn(child, context)
+
+    def _inside(self, element: Element, around: _Context) -> _Context | None:
+        """Return what holds in an element; None if it is not displayed."""
+        style = self._sheet.computed(element, around.style)
+        if style["display"] == "none":
+            return None
+        own = matrix(element.attributes.get("transform", ""))
+        context = around._replace(
+            matrix=_product(around.matrix, own),
+            style=style,
+            opacity=around.opacity * opacity(style["opacity"]),
+            role=_role(element) or around.role,
+            depth=around.depth + 1,
+        )
+        if style["mask"] != "none":
+            raise SvgError("masks are not read; cut the shape itself")
+        if style["clip-path"] != "none":
+            target = self._referred(style["clip-path"].removeprefix("url(").rstrip(") "))
+            if target.name != "clipPath":
+                raise SvgError(f"the clip-path {style['clip-path'][:40]!r} is not a clipPath")
+            if target.attributes.get("clipPathUnits", "userSpaceOnUse") != "userSpaceOnUse":
+                raise SvgError("a clipPath in units of the bounding box is not read")
+            clip = Clip(target, context.matrix, style)
+            context = context._replace(clips=(*context.clips, clip))
+        return context
+
+    def _used(self, use: Element, context: _Context) -> tuple[Element, _Context]:
+        """Return what a ``use`` element draws, and what holds there."""
+        href = next((use.attributes[name] for name in HREFS if name in use.attributes), "")
+        target = self._referred(href)
+        x, y = (
+            length(use.attributes.get(name, "0"), whole)
+            for name, whole in zip("xy", context.viewport, strict=True)
+        )
+        moved = np.array([[1, 0, x], [0, 1, y], [0, 0, 1.0]])
+        context = context._replace(matrix=_product(context.matrix, moved))
+        if target.name in ("symbol", "svg"):
+            width, height = (
+                use.attributes.get(name, target.attributes.get(name, "100%"))
+                for name in ("width", "height")
+            )
+            if target.name == "symbol":
+                context = self._viewed(target, context, width, height)
+            else:
+                sized = target.attributes | {"width": width, "height": height}
+                target = Element("svg", SVG_NAMESPACE, sized, target.line, target.children)
+        return target, context
+
+    def _named(self, symbol: Element, context: _Context) -> _Context:
+        style = self._sheet.computed(symbol, context.style)
+        return context._replace(
+            style=style,
+            opacity=context.opacity * opacity(style["opacity"]),
+            role=_role(symbol) or context.role,
+        )
+
+    def _referred(self, href: str) -> Element:
+        name = href.strip("\"' ")
+        if not name.startswith("#"):
+            raise SvgError(f"{name[:40]!r} is in another file; draw it in this one")
+        target = self.by_id.get(name[1:])
+        if target is None:
+            raise SvgError(f"there is no {name[:40]!r} in the file")
+        return target
+
+    def _nested(self, element: Element, context: _Context) -> _Context:
+        attributes = element.attributes
+        x, y = (
+            length(attributes.get(name, "0"), whole)
+            for name, whole in zip("xy", context.viewport, strict=True)
+        )
+        moved = np.array([[1, 0, x], [0, 1, y], [0, 0, 1.0]])
+        context = context._replace(matrix=_product(context.matrix, moved))
+        width, height = (attributes.get(name, "100%") for name in ("width", "height"))
+        return self._viewed(element, context, width, height)
+
+    def _viewed(self, element: Element, context: _Context, width: str, height: str) -> _Context:
+        """Return what holds in an element with a viewport of that size."""
+        w, h = (
+            length(one, whole) for one, whole in zip((width, height), context.viewport, strict=True)
+        )
+        box = view_box(element)
+        if box is None:
+            return context._replace(viewport=(w, h))
+        aspect = element.attributes.get("preserveAspectRatio", "xMidYMid meet")
+        inner = fitted(box, max(w, 0.0), max(h, 0.0), aspect)
+        return context._replace(matrix=_product(context.matrix, inner), viewport=box[2:])
+
+
+def is_svg(element: Element) -> bool:
+    """Return whether an element is of SVG; those without a namespace are taken for it."""
+    return element.namespace in ("", SVG_NAMESPACE)
+
+
+def view_box(element: Element) -> tuple[float, float, float, float] | None:
+    """Return the view box of an element; None if it has none."""
+    text = element.attributes.get("viewBox")
+    if text is None:
+        return None
+    values = numbers(text)
+    if len(values) != 4 or not (values[2] > 0 and values[3] > 0):
+        raise SvgError(f"viewBox {text[:60]!r} is not x, y, width and height, both positive")
+    x, y, width, height = values
+    return x, y, width, height
+
+
+def _role(element: Element) -> Role | None:
+    label = element.attributes.get(LABEL, "")
+    names = (element.attributes.get("class", ""), element.attributes.get("id", ""))
+    return role_of([label]) or role_of(names)
+
+
+def _product(outer: FloatArray, inner: FloatArray) -> FloatArray:
+    product: FloatArray = outer @ inner
+    if not np.abs(product).max() <= MAX_NUMBER:
+        raise SvgError(f"the transform is beyond {MAX_NUMBER:g}")
+    return product
+
+
+def _all(root: Element) -> Iterator[Element]:
+    waiting = [root]
+    while waiting:
+        element = waiting.pop()
+        yield element
+        waiting.extend(reversed(element.children))

@@ -61,11 +61,11 @@ _GENERATORS: dict[str, tuple[str, str]] = {
         "hospital: entrance hall, long wings of wards, nurse stations",
     ),
     "open": ("open:open_hall", "empty hall, with a few columns if wanted"),
-    "warehouse": ("warehouse:warehouse", "warehouse: rows of shelves, aisles, a loading zone"),
-    "city": ("city:city", "part of a city: streets, squares, buildings of many shapes"),
-    "forest": ("forest:forest", "forest: trunks of varied thickness, none of them in a row"),
-    "cavern": ("cavern:cavern", "cavern of no regular shape, with pillars and narrow tunnels"),
-    "dungeon": ("dungeon:dungeon", "dungeon: rooms, winding corridors, loops and dead ends"),
+    "warehouse": ("warehouse:warehouse", "warehouse: shelves, aisles, a loading zone"),
+    "city": ("city:city", "streets and squares, buildings of many shapes"),
+    "forest": ("forest:forest", "forest of trunks of varied thickness"),
+    "cavern": ("cavern:cavern", "cavern of chambers, pillars and narrow tunnels"),
+    "dungeon": ("dungeon:dungeon", "rooms, winding corridors, loops and dead ends"),
 }
 """Module, function and summary of every generator, by name."""
 

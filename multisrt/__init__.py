@@ -51,6 +51,7 @@ if TYPE_CHECKING:
         RunSpec,
         Silence,
         StopRule,
+        SuiteEnvironment,
     )
     from multisrt.stepper import Stepper
 
@@ -80,6 +81,7 @@ _HOMES = {
     "Stepper": "stepper",
     "StopRule": "spec",
     "Strategy": "robots.strategy",
+    "SuiteEnvironment": "spec",
     "area_known_to_one": "analysis.known_area",
     "catalog": "environments.catalog",
     "compare": "comparison",
@@ -121,6 +123,7 @@ __all__ = [
     "Stepper",
     "StopRule",
     "Strategy",
+    "SuiteEnvironment",
     "area_known_to_one",
     "catalog",
     "compare",

@@ -121,6 +121,8 @@ def polygons_between_lines(free: BoolArray, x_m: FloatArray, y_m: FloatArray) ->
     >>> polygons_between_lines(bent, np.array([0.0, 1.0, 4.0]), np.array([0.0, 1.0, 3.0])).area
     6.0
     """
+    if not free.any():
+        return MultiPolygon()
     padded = np.pad(free, 1)
     turns, pinched, ring_starts, ring_cells = _trace(padded, _count_corners(padded))
     if pinched.any():

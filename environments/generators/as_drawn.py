@@ -43,7 +43,7 @@ def polygon_around(ground: Polygon, obstacles: FloatArray | Iterable[Polygon]) -
     77.0
     """
     if isinstance(obstacles, np.ndarray):
-        holes = list(shapely.linearrings(np.round(obstacles, DECIMALS))) if len(obstacles) else []
+        holes = [shapely.LinearRing(corners) for corners in np.round(obstacles, DECIMALS)]
     else:
         holes = [on_millimetres(obstacle.exterior) for obstacle in obstacles]
     return Polygon(on_millimetres(ground.exterior), holes)

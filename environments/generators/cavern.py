@@ -10,7 +10,8 @@ from scipy.sparse.csgraph import minimum_spanning_tree
 from multisrt.environments.environment import Environment
 from multisrt.environments.formats.bitmap import polygons_from_grid
 from multisrt.environments.generators.as_drawn import on_millimetres, starts_among
-from multisrt.environments.generators.parameters import call_text, number, seed_number
+from multisrt.environments.generators.parameters import call_text, number, rounded_up, seed_number
+from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.numerics.kernel import BoolArray, FloatArray, IntArray
 
 TOLERANCE_CELLS = 0.25
@@ -20,6 +21,9 @@ ROCK = (0.43, 0.53)
 """Share of rock in the noise that the automaton starts from, at difficulty 0 and 1."""
 
 GENERATIONS = 5
+MIN_CELLS = 12
+"""Minimum number of cells in each row and column."""
+
 MIN_CHAMBER = 24
 """Places of the body below which a chamber is filled instead of being joined to the others."""
 
@@ -58,7 +62,7 @@ def cavern(
     Raises
     ------
     InvalidInputError
-        If a parameter is out of range.
+        If a parameter is out of range or there is no room for chambers.
 
     Notes
     -----
@@ -78,7 +82,12 @@ def cavern(
     seed = seed_number("cavern", seed)
 
     cell_m = passage_m / (2.0 - 2.0 * TOLERANCE_CELLS)
-    cells = max(4, math.floor(size_m / cell_m))
+    cells = math.floor(size_m / cell_m + 1e-9)
+    if cells < MIN_CELLS:
+        raise InvalidInputError(
+            f"cavern: size_m={size_m:g} has no room for chambers with passage_m={passage_m:g}; "
+            f"give a size_m of at least {rounded_up(MIN_CELLS * cell_m)} m, or a narrower passage"
+        )
     noise = np.random.default_rng(seed).random((cells, cells))
     rock = ROCK[0] + difficulty * (ROCK[1] - ROCK[0])
     places = _joined(_grown(noise, rock))
@@ -86,14 +95,14 @@ def cavern(
         rock -= 0.02
         places = _joined(_grown(noise, rock))
     free = polygons_from_grid(_covered(places), cell_m, tolerance_cells=TOLERANCE_CELLS)
-    roomy = ndimage.binary_erosion(places, np.ones((3, 3)))
+    roomy = ndimage.binary_erosion(places, np.ones((3, 3), np.bool_))
     row, column = np.nonzero(roomy if roomy.any() else places)
     near, middle, far = 0.0, cells * cell_m / 2, cells * cell_m
     return Environment(
         "cavern",
         on_millimetres(free),
         starts=starts_among(
-            np.column_stack([column + 1, row + 1]) * cell_m,
+            np.column_stack([column + 1.0, row + 1.0]) * cell_m,
             [(middle, middle), (near, near), (far, far), (near, far), (far, near)],
         ),
         origin=call_text(
@@ -138,11 +147,11 @@ def _joined(solid: BoolArray) -> BoolArray:
     sizes = np.bincount(chambers.ravel())
     sizes[0] = 0
     kept = sizes >= min(MIN_CHAMBER, sizes.max())
-    places = kept[chambers]
-    chambers, count = ndimage.label(places)
+    large: BoolArray = kept[chambers]
+    chambers, count = ndimage.label(large)
     if count > 1:
-        _dig(places, chambers, count)
-    return places
+        _dig(large, chambers.astype(np.int64), count)
+    return large
 
 
 def _dig(places: BoolArray, chambers: IntArray, count: int) -> None:

@@ -5,12 +5,12 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-import shapely
 from shapely import Polygon, box
 
 from multisrt.environments.environment import Environment
 from multisrt.environments.generators.as_drawn import polygon_around, starts_among
-from multisrt.environments.generators.parameters import call_text, number, seed_number
+from multisrt.environments.generators.parameters import call_text, number, rounded_up, seed_number
+from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.numerics.kernel import FloatArray
 
 WIDER_M = 8.0
@@ -24,6 +24,9 @@ QUARTER_M = 160.0
 
 BLOCK_M = 42.0
 """Maximum width of a block between streets, in metres."""
+
+MIN_BLOCK_M = 4.0
+"""Minimum width of the part of the city that is not the street around it, in metres."""
 
 LOT_M = (26.0, 13.0)
 """Maximum width of a building's lot, at difficulty 0 and 1, in metres."""
@@ -40,8 +43,8 @@ MIN_COURT_M = 8.0
 TREE_M = 0.5
 """Radius of the trees on squares, in metres."""
 
-ROUND = np.arange(16) * (math.tau / 16)
-OCTAGON = (np.arange(8) + 0.5) * (math.tau / 8)
+ROUND = np.linspace(0.0, math.tau, 16, endpoint=False)
+OCTAGON = np.linspace(0.0, math.tau, 8, endpoint=False) + math.tau / 16
 
 
 class _Lot(NamedTuple):
@@ -100,7 +103,7 @@ def city(
     Raises
     ------
     InvalidInputError
-        If a parameter is out of range.
+        If a parameter is out of range or there is no room for a block.
 
     Examples
     --------
@@ -112,8 +115,15 @@ def city(
     passage_m = number("city", "passage_m", passage_m, 0.8, 4.0)
     seed = seed_number("city", seed)
 
-    rng = np.random.default_rng(seed)
     street_m = round(max(1.5 * passage_m, passage_m + (1.0 - difficulty) * WIDER_M), 3)
+    least = 2 * street_m + MIN_BLOCK_M
+    if size_m < least:
+        raise InvalidInputError(
+            f"city: size_m={size_m:g} has no room for a block between streets of {street_m:.3g} m; "
+            f"give a size_m of at least {rounded_up(least)} m, a narrower passage or a greater "
+            "difficulty"
+        )
+    rng = np.random.default_rng(seed)
     lot_m = max(_between(LOT_M, difficulty), 4 * passage_m)
     buildings: list[Polygon] = []
     blocks = _blocks(size_m, street_m, rng)

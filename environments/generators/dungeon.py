@@ -10,12 +10,15 @@ from shapely import Polygon
 from multisrt.environments.environment import Environment
 from multisrt.environments.formats.bitmap import polygons_between_lines
 from multisrt.environments.generators.as_drawn import starts_among
-from multisrt.environments.generators.parameters import call_text, number, seed_number
+from multisrt.environments.generators.parameters import call_text, number, rounded_up, seed_number
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.numerics.kernel import BoolArray, FloatArray, IntArray
 
 PLOT = 7
 """Cells in each row and column of the ground in which there is one room or none."""
+
+MIN_CELLS = 2 * PLOT
+"""Minimum number of cells in each row and column: with less there would be one room."""
 
 WALL_M = 0.4
 """Minimum width of walls, in metres."""
@@ -59,7 +62,7 @@ def dungeon(
     Parameters
     ----------
     size_m : float
-        Inner width and height, 10 to 1000 m.
+        Inner width and height, 16 to 1000 m, and room for 2 x 2 plots; free space may be smaller.
     difficulty : float
         From 0 to 1: there are fewer rooms and fewer loops, corridors are more winding, and up to
         2.5 corridors for each plot of 7 x 7 cells lead nowhere. The length of walls per free area
@@ -77,23 +80,23 @@ def dungeon(
     Raises
     ------
     InvalidInputError
-        If a parameter is out of range or there is no room for a plot.
+        If a parameter is out of range or there is no room for four plots.
 
     Examples
     --------
     >>> dungeon(size_m=30).origin
     'dungeon(size_m=30, difficulty=0.5, passage_m=1.4, seed=0)'
     """
-    size_m = number("dungeon", "size_m", size_m, 10.0, 1000.0)
+    size_m = number("dungeon", "size_m", size_m, 16.0, 1000.0)
     difficulty = number("dungeon", "difficulty", difficulty, 0.0, 1.0)
     passage_m = number("dungeon", "passage_m", passage_m, 0.8, 6.0)
     seed = seed_number("dungeon", seed)
-    columns = int((size_m + WALL_M) / (passage_m + WALL_M))
-    if columns < PLOT:
-        least = PLOT * (passage_m + WALL_M) - WALL_M
+    columns = int((size_m + WALL_M) / (passage_m + WALL_M) + 1e-9)
+    if columns < MIN_CELLS:
+        least = MIN_CELLS * (passage_m + WALL_M) - WALL_M
         raise InvalidInputError(
             f"dungeon: size_m={size_m:g} has no room for rooms with passage_m={passage_m:g}; "
-            f"give a size_m of at least {least:.3g} m, or a narrower passage"
+            f"give a size_m of at least {rounded_up(least)} m, or a narrower passage"
         )
 
     rng = np.random.default_rng(seed)
@@ -167,7 +170,7 @@ def _corridors(
     cost = np.where(inside.ravel(), 0.5, 0.02 + rng.random(columns * columns) ** winding)
     weights = np.round(cost[one] + cost[other], 9)
     graph = coo_array((weights, (one, other)), (columns * columns,) * 2).tocsr()
-    _, before = dijkstra(graph, directed=False, indices=root, return_predecessors=True)
+    _, before = dijkstra(graph, directed=False, indices=np.array(root), return_predecessors=True)
     reached = np.zeros(columns * columns, dtype=np.bool_)
     reached[root] = True
     current = np.unique(ends[~reached[ends]])

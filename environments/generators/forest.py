@@ -8,7 +8,8 @@ from scipy.spatial import cKDTree
 
 from multisrt.environments.environment import Environment
 from multisrt.environments.generators.as_drawn import polygon_around, starts_among
-from multisrt.environments.generators.parameters import call_text, number, seed_number
+from multisrt.environments.generators.parameters import call_text, number, rounded_up, seed_number
+from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.numerics.kernel import BoolArray, FloatArray
 
 TRUNK_M = (0.15, 0.6)
@@ -53,7 +54,7 @@ def forest(
     Raises
     ------
     InvalidInputError
-        If a parameter is out of range.
+        If a parameter is out of range or there is no room for trunks.
 
     Notes
     -----
@@ -73,6 +74,13 @@ def forest(
     difficulty = number("forest", "difficulty", difficulty, 0.0, 1.0)
     passage_m = number("forest", "passage_m", passage_m, 0.8, 4.0)
     seed = seed_number("forest", seed)
+
+    least = 2 * (passage_m + TRUNK_M[1])
+    if size_m < least:
+        raise InvalidInputError(
+            f"forest: size_m={size_m:g} has no room for trunks with passage_m={passage_m:g}; give "
+            f"a size_m of at least {rounded_up(least)} m, or a narrower passage"
+        )
 
     rng = np.random.default_rng(seed)
     gap_m = passage_m + (1.0 - difficulty) ** 2 * OPEN_GAP_M

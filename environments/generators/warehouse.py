@@ -100,8 +100,10 @@ def _lefts(size_m: float, aisle_m: float, rng: np.random.Generator) -> FloatArra
     """Return the left sides of the rows, with aisles of at least `aisle_m` around each."""
     rows = int((size_m - aisle_m) / (SHELF_M + 1.12 * aisle_m))
     shares = rng.dirichlet(np.full(rows + 1, 6.0))
-    aisles = aisle_m + (size_m - rows * SHELF_M - (rows + 1) * aisle_m) * shares
-    lefts: FloatArray = np.round(np.cumsum(aisles[:-1]) + SHELF_M * np.arange(rows), 3)
+    aisles: FloatArray = aisle_m + (size_m - rows * SHELF_M - (rows + 1) * aisle_m) * shares
+    lefts: FloatArray = np.round(
+        np.cumsum(aisles[:-1]) + SHELF_M * np.arange(rows, dtype=np.float64), 3
+    )
     return lefts
 
 

@@ -3,6 +3,7 @@ import xml.etree.ElementTree as ET
 
 import pytest
 
+from multisrt import suites
 from multisrt.environments.catalog import names
 from tests.multisrt.cli.commands import everything
 
@@ -45,3 +46,17 @@ def test_a_picture_replaces_a_file_only_by_force(call, folder):
     assert (folder / "office.svg").read_text() == "mine"
     assert call("environments", "show", "office", "--force")[0] == 0
     assert (folder / "office.svg").read_text().startswith("<")
+
+
+def test_environments_lists_suites_and_draws_their_worlds(call, folder):
+    code, out, _ = call("environments")
+    assert code == 0
+    assert all(re.search(rf"^ *{name} +1 +30 ", out, re.M) for name in suites.names())
+    code, out, err = call("environments", "show", "mazes-30/12")
+    assert (code, err) == (0, "")
+    assert "mazes-30/12: " in out
+    assert (folder / "mazes-30-12.svg").exists()
+    code, _, err = call("environments", "show", "mazes-30")
+    assert code == 2
+    assert "a suite of 30 worlds" in err
+    assert "Traceback" not in err

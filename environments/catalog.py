@@ -215,4 +215,6 @@ def _read(name: str) -> "Environment":
 
 def _unknown(name: str) -> str:
     hint = did_you_mean(name, names())
+    if "/" in name:
+        hint += " (worlds of suites: multisrt.suites.world)"
     return f"no environment is called {name!r}{hint}; the names are {', '.join(names())}"

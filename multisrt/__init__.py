@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from multisrt.analysis.metrics import Metrics
     from multisrt.comparison import Comparison, compare
     from multisrt.driving.driver import drive
+    from multisrt.environments import suites as suites
     from multisrt.environments.catalog import catalog, environment
     from multisrt.environments.environment import Environment
     from multisrt.environments.formats import read_environment
@@ -97,6 +98,8 @@ _HOMES = {
     "strategies": "robots.registry",
 }
 
+_MODULES = {"suites": "environments.suites"}
+
 __all__ = [
     "CatalogEnvironment",
     "Comparison",
@@ -141,6 +144,8 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
+    if name in _MODULES:
+        return import_module(f"{__name__}.{_MODULES[name]}")
     if name not in _HOMES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     value = getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
@@ -149,4 +154,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted(__all__)
+    return sorted([*__all__, *_MODULES])

@@ -41,7 +41,7 @@ def worlds(context: click.Context, parameter: click.Parameter, incomplete: str) 
     list of CompletionItem
         Names with summaries; if none begins so, one that lets the shell complete a path.
     """
-    from multisrt import suites
+    from multisrt.environments import suites
     from multisrt.environments.catalog import summaries
 
     found = [CompletionItem(name, help=text) for name, text in summaries().items()]

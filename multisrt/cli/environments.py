@@ -39,7 +39,7 @@ def environments(context: click.Context) -> None:
     """
     if context.invoked_subcommand is not None:
         return
-    from multisrt import suites
+    from multisrt.environments import suites
     from multisrt.environments.catalog import catalog
 
     listed = table("environment", "kind", "size (m)", ">free (m2)", "description")

@@ -51,7 +51,7 @@ def stem_of(environment: str) -> str:
     >>> stem_of("office"), stem_of("maps/floor.yaml"), stem_of("indoor-30/07")
     ('office', 'floor', 'indoor-30-07')
     """
-    from multisrt import suites
+    from multisrt.environments import suites
 
     return environment.replace("/", "-") if suites.is_world(environment) else Path(environment).stem
 

@@ -17,7 +17,7 @@ from typing import Any, TypeVar
 
 import msgspec
 
-from multisrt import suites
+from multisrt.environments import suites
 from multisrt.experiments.run_specs import (
     Choices,
     forget_worlds,

@@ -15,7 +15,7 @@ from pathlib import Path
 import msgspec
 import numpy as np
 
-from multisrt import suites
+from multisrt.environments import suites
 from multisrt.environments.catalog import names
 from multisrt.environments.environment import Environment
 from multisrt.experiments.spec import (

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import shapely
 
-from multisrt import suites
+from multisrt.environments import suites
 from multisrt.environments.catalog import environment, names
 from multisrt.environments.environment import Environment
 from multisrt.environments.formats import read_environment

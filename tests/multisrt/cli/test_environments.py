@@ -3,7 +3,7 @@ import xml.etree.ElementTree as ET
 
 import pytest
 
-from multisrt import suites
+from multisrt.environments import suites
 from multisrt.environments.catalog import names
 from tests.multisrt.cli.commands import everything
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
+from multisrt.environments.suites.suite import Entry, Suite
 from multisrt.geometry.errors import InvalidInputError, did_you_mean
-from multisrt.suites.suite import Entry, Suite
 
 if TYPE_CHECKING:
     from multisrt.environments.environment import Environment

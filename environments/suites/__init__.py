@@ -10,7 +10,7 @@
 A world is built when it is asked for, and compared with the digest that the suite holds.
 """
 
-from multisrt.suites.loading import is_world, load, names, world
-from multisrt.suites.suite import Suite, digest_of
+from multisrt.environments.suites.loading import is_world, load, names, world
+from multisrt.environments.suites.suite import Suite, digest_of
 
 __all__ = ["Suite", "digest_of", "is_world", "load", "names", "world"]

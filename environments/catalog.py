@@ -11,6 +11,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
+from multisrt.environments.generators.difficulty import KNOB, RANGES, parameters_at
 from multisrt.geometry.errors import InvalidInputError, did_you_mean
 
 if TYPE_CHECKING:
@@ -60,6 +61,11 @@ _GENERATORS: dict[str, tuple[str, str]] = {
         "hospital: entrance hall, long wings of wards, nurse stations",
     ),
     "open": ("open:open_hall", "empty hall, with a few columns if wanted"),
+    "warehouse": ("warehouse:warehouse", "warehouse: shelves, aisles, a loading zone"),
+    "city": ("city:city", "streets and squares, buildings of many shapes"),
+    "forest": ("forest:forest", "forest of trunks of varied thickness"),
+    "cavern": ("cavern:cavern", "cavern of chambers, pillars and narrow tunnels"),
+    "dungeon": ("dungeon:dungeon", "rooms, winding corridors, loops and dead ends"),
 }
 """Module, function and summary of every generator, by name."""
 
@@ -72,6 +78,9 @@ _MAPS: dict[str, tuple[str, str]] = {
     "cave": ("cave.geojson", "cave with pillars, no straight wall in it"),
 }
 """File and summary of every bundled map, by name."""
+
+_GENERATED_LIKE = {"cave": ", or take the generator 'cavern'"}
+"""What to say of a generator that a bundled map may be mistaken for."""
 
 
 def names() -> tuple[str, ...]:
@@ -100,7 +109,9 @@ def environment(name: str, *, seed: int | None = None, **parameters: float) -> "
     seed : int, optional
         Seed of a generator, 0 by default. Bundled maps take none.
     **parameters : float
-        Parameters of the generator; the entries of `catalog` list them.
+        Parameters of the generator; the entries of `catalog` list them. All generators but "open"
+        take a `difficulty` from 0 to 1, too. Where it is not in the list it stands for some of
+        those parameters; others may be given beside it, and win over it.
 
     Returns
     -------
@@ -118,18 +129,23 @@ def environment(name: str, *, seed: int | None = None, **parameters: float) -> "
     144.0
     >>> environment("museum").name
     'museum'
+    >>> environment("maze", difficulty=0.5).origin
+    'maze(size_m=24, cells=12, loops=0.3, seed=0)'
     """
     if name in _MAPS:
         if seed is not None or parameters:
             given = [*([] if seed is None else ["seed"]), *parameters]
             raise InvalidInputError(
                 f"the bundled map {name!r} is fixed: it takes neither seed nor parameters; "
-                f"leave out {', '.join(given)}"
+                f"leave out {', '.join(given)}{_GENERATED_LIKE.get(name, '')}"
             )
         return _read(name)
     if name not in _GENERATORS:
         raise InvalidInputError(_unknown(name))
     accepted = _parameters(name)
+    if KNOB in parameters and KNOB not in dict(accepted) and name in RANGES:
+        others = {given: value for given, value in parameters.items() if given != KNOB}
+        parameters = parameters_at(name, parameters[KNOB]) | others
     unknown = [parameter for parameter in parameters if parameter not in dict(accepted)]
     if unknown:
         listed = ", ".join(f"{parameter}={default:g}" for parameter, default in accepted)
@@ -199,4 +215,6 @@ def _read(name: str) -> "Environment":
 
 def _unknown(name: str) -> str:
     hint = did_you_mean(name, names())
+    if "/" in name:
+        hint += " (worlds of suites: multisrt.suites.world)"
     return f"no environment is called {name!r}{hint}; the names are {', '.join(names())}"

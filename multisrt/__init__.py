@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from multisrt.analysis.metrics import Metrics
     from multisrt.comparison import Comparison, compare
     from multisrt.driving.driver import drive
+    from multisrt.environments import suites as suites
     from multisrt.environments.catalog import catalog, environment
     from multisrt.environments.environment import Environment
     from multisrt.environments.formats import read_environment
@@ -52,6 +53,7 @@ if TYPE_CHECKING:
         RunSpec,
         Silence,
         StopRule,
+        SuiteEnvironment,
     )
     from multisrt.stepper import Stepper
 
@@ -81,6 +83,7 @@ _HOMES = {
     "Stepper": "stepper",
     "StopRule": "spec",
     "Strategy": "robots.strategy",
+    "SuiteEnvironment": "spec",
     "area_known_to_one": "analysis.known_area",
     "catalog": "environments.catalog",
     "compare": "comparison",
@@ -96,6 +99,8 @@ _HOMES = {
     "simulate": "simulation.simulate",
     "strategies": "robots.registry",
 }
+
+_MODULES = {"suites": "environments.suites"}
 
 __all__ = [
     "CatalogEnvironment",
@@ -123,6 +128,7 @@ __all__ = [
     "Stepper",
     "StopRule",
     "Strategy",
+    "SuiteEnvironment",
     "area_known_to_one",
     "catalog",
     "compare",
@@ -141,6 +147,8 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
+    if name in _MODULES:
+        return import_module(f"{__name__}.{_MODULES[name]}")
     if name not in _HOMES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     value = getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
@@ -149,4 +157,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted(__all__)
+    return sorted([*__all__, *_MODULES])

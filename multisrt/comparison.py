@@ -89,7 +89,8 @@ def compare(
     Parameters
     ----------
     environments : str, Path, Environment or EnvironmentChoice, or several; or ExperimentSpec
-        Names in the catalogue, map files or environments; or the whole experiment.
+        Names in the catalogue, suites or worlds of them ("indoor-30", "indoor-30/07"), map files or
+        environments; or the whole experiment.
     strategies : str, StrategyChoice, Strategy, class or function, or several
         Names of registered strategies, with or without options; or user-defined strategies, as
         `Strategy.of` takes them or by reference (``"mine.py:Mine"``), which are registered by

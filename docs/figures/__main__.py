@@ -18,12 +18,13 @@ import papers
 import runs
 import teams
 import trees
+import worlds
 
 PICTURES = Path(__file__).resolve().parents[1] / "pictures"
 FIGURES: dict[str, dict[str, Callable[[], str]]] = {
     "": runs.FIGURES,
     "algorithms": {**trees.FIGURES, **teams.FIGURES, **bidding.FIGURES},
-    "gallery": gallery.FIGURES,
+    "gallery": {**gallery.FIGURES, **worlds.FIGURES},
     "figures": papers.FIGURES,
 }
 

@@ -108,6 +108,49 @@ def _cell_sides(resolution_m: Resolution) -> FloatArray:
     return np.broadcast_to(sides, 2)
 
 
+def polygons_between_lines(free: BoolArray, x_m: FloatArray, y_m: FloatArray) -> MultiPolygon:
+    """Return the union of free cells of a grid whose lines have any distances.
+
+    Parameters
+    ----------
+    free : bool array, shape (rows, columns)
+        True where a cell is free. No two free cells may touch at a corner alone.
+    x_m : float array, shape (columns + 1,)
+        The lines between columns in metres, increasing.
+    y_m : float array, shape (rows + 1,)
+        The lines between rows in metres, increasing.
+
+    Returns
+    -------
+    MultiPolygon
+        One polygon for each component, with vertices at its corners only.
+
+    Raises
+    ------
+    InvalidInputError
+        If two free cells touch at a corner alone.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> bent = np.array([[True, True], [True, False]])
+    >>> polygons_between_lines(bent, np.array([0.0, 1.0, 4.0]), np.array([0.0, 1.0, 3.0])).area
+    6.0
+    """
+    if not free.any():
+        return MultiPolygon()
+    padded = np.pad(free, 1)
+    turns, pinched, ring_starts, ring_cells = _trace(padded, _count_corners(padded))
+    if pinched.any():
+        column, row = turns[np.flatnonzero(pinched)[0]]
+        raise InvalidInputError(
+            f"free cells touch at the corner between rows {row - 1} and {row} and columns "
+            f"{column - 1} and {column} alone; free one more cell there"
+        )
+    vertices = np.column_stack([x_m[turns[:, 0]], y_m[turns[:, 1]]])
+    return _assemble(free, vertices, ring_starts, ring_cells)
+
+
 def _count_corners(padded: BoolArray) -> int:
     """Return the number of turns: one where 1 or 3 of 4 cells are free, two at a pinch."""
     southwest, southeast = padded[:-1, :-1], padded[:-1, 1:]

@@ -66,6 +66,17 @@ def seed_number(generator: str, seed: int) -> int:
     return whole(generator, "seed", seed, 0, MAX_SEED)
 
 
+def rounded_up(least: float) -> str:
+    """Return a minimum for a message, which is not below it in tenths.
+
+    Examples
+    --------
+    >>> rounded_up(9.21), rounded_up(44.400000000000006)
+    ('9.3', '44.4')
+    """
+    return f"{math.ceil(round(10.0 * least, 6)) / 10.0:g}"
+
+
 def call_text(generator: str, **parameters: float) -> str:
     """Return the text of a generator's call, by which the world can be generated again.
 

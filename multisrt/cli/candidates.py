@@ -27,7 +27,7 @@ PAPERS = ("multi-srt", "sbx-r", "minpos", "alvarez")
 
 
 def worlds(context: click.Context, parameter: click.Parameter, incomplete: str) -> Items:
-    """Return the worlds of the catalogue and the files that begin so.
+    """Return the worlds of the catalogue, those of a suite that is named, and files.
 
     Parameters
     ----------
@@ -41,9 +41,13 @@ def worlds(context: click.Context, parameter: click.Parameter, incomplete: str) 
     list of CompletionItem
         Names with summaries; if none begins so, one that lets the shell complete a path.
     """
+    from multisrt.environments import suites
     from multisrt.environments.catalog import summaries
 
     found = [CompletionItem(name, help=text) for name, text in summaries().items()]
+    # Suites only by their whole name: their worlds would hide the catalogue.
+    if (suite := incomplete.partition("/")[0]) in suites.names():
+        found += map(CompletionItem, suites.load(suite).world_names)
     return _in_file(incomplete) if ":" in incomplete else _names_or_files(found, incomplete)
 
 

@@ -11,7 +11,7 @@ import click
 from multisrt.cli import candidates
 from multisrt.cli.mistakes import CommandGroup, is_world
 from multisrt.cli.output_options import force_option, quiet_option
-from multisrt.cli.outputs import require_no_file, require_place
+from multisrt.cli.outputs import require_no_file, require_place, stem_of
 from multisrt.cli.own_map import starts_from_option
 from multisrt.cli.reach import areas, around
 from multisrt.cli.tables import show as show_table
@@ -28,16 +28,20 @@ def _meant(words: Sequence[str]) -> Sequence[str]:
 @click.group(cls=CommandGroup, meant=_meant, invoke_without_command=True)
 @click.pass_context
 def environments(context: click.Context) -> None:
-    """List the environments of the catalogue; draw or export one.
+    """List the environments of the catalogue and the suites; draw or export one.
+
+    A suite has worlds that are kept apart for comparisons: NAME/00, NAME/01 and so on.
 
     \b
     Examples:
       multisrt environments
       multisrt environments show hospital --out hospital.svg
       multisrt environments export hospital --out hospital.yaml
+      multisrt environments show indoor-30/07
     """
     if context.invoked_subcommand is not None:
         return
+    from multisrt.environments import suites
     from multisrt.environments.catalog import catalog
 
     listed = table("environment", "kind", "size (m)", ">free (m2)", "description")
@@ -45,6 +49,12 @@ def environments(context: click.Context) -> None:
         size = f"{entry.width_m:.0f} x {entry.height_m:.0f}"
         listed.add_row(entry.name, entry.kind, size, f"{entry.area_m2:.0f}", entry.summary)
     show_table(listed)
+    kept = table("suite", ">version", ">worlds", "description")
+    for name in suites.names():
+        suite = suites.load(name)
+        kept.add_row(name, str(suite.version), str(len(suite)), suite.about)
+    click.echo()
+    show_table(kept)
 
 
 @environments.command()
@@ -72,7 +82,8 @@ def show(
 ) -> None:
     """Draw an environment as SVG.
 
-    ENV is a name that 'multisrt environments' lists, or a map file as for 'multisrt explore'.
+    ENV is a name that 'multisrt environments' lists, a world of a suite (indoor-30/07), or a map
+    file as for 'multisrt explore'.
 
     \b
     Examples:
@@ -86,7 +97,7 @@ def show(
         environment, resolution_m=resolution, threshold=threshold, starts_from=starts_from
     )
     if out is None:
-        out = Path(f"{Path(environment).stem}.svg")
+        out = Path(f"{stem_of(environment)}.svg")
     require_no_file(out, force=force)
     world = build_environment(where)
     save_environment_svg(world, out)

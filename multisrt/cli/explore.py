@@ -26,6 +26,7 @@ from multisrt.cli.outputs import (
     require_no_file,
     require_no_run,
     run_folder,
+    stem_of,
 )
 from multisrt.cli.own_map import starts_from_option
 from multisrt.cli.run_options import DRIVES, FAULTS, OVERRIDES, USUAL, spec_of_options
@@ -245,10 +246,11 @@ def explore(
 
     Writes a picture, the metrics and the recording of the run.
 
-    ENV is a name that 'multisrt environments' lists, or a map file: a ROS map_server YAML, an
-    image with --resolution (its origin is the lower left corner), GeoJSON, WKT, a world of Stage, a
-    grid or scenario of MovingAI with --resolution, IMR polygons or HouseExpo. FILE.py:CLASS or
-    MODULE:CLASS in its place is a strategy of your own, which explores the apartment.
+    ENV is a name that 'multisrt environments' lists, a world of a suite (indoor-30/07), or a map
+    file: a ROS map_server YAML, an image with --resolution (its origin is the lower left corner),
+    GeoJSON, WKT, SVG, DXF, a numpy array, a world of Stage, a grid or scenario of MovingAI, IMR
+    polygons or HouseExpo. FILE.py:CLASS or MODULE:CLASS in its place is a strategy of your own,
+    which explores the apartment.
     """
     from multisrt.experiments.results import is_success
     from multisrt.robots.loading import is_reference
@@ -282,7 +284,7 @@ def explore(
         names = _named(strategies)
         specs = [spec_of_options(environment, name, given) for name in names or (None,)]
         _require_shared_options(specs)
-        name = Path(environment).stem
+        name = stem_of(environment)
     _require_shown(specs, given)
     usual = _usual_folder(specs, name)
     whole = out or new_folder(usual)

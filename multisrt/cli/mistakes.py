@@ -70,10 +70,11 @@ class CommandGroup(click.Group):
 
 
 def is_world(word: str) -> bool:
-    """Whether a word names a world of the catalogue, or a file that is there."""
+    """Whether a word names a world of the catalogue or of a suite, or a file that is there."""
+    from multisrt.environments import suites
     from multisrt.environments.catalog import names
 
-    return word in names() or Path(word).is_file()
+    return word in names() or suites.is_world(word) or Path(word).is_file()
 
 
 def usage_message(error: click.ClickException) -> str:

@@ -38,6 +38,24 @@ BEGINNING = 4096
 """Number of bytes in which the marks of a file are looked for."""
 
 
+def stem_of(environment: str) -> str:
+    """Return an environment's name as a part of the names of files and folders.
+
+    Parameters
+    ----------
+    environment : str
+        Name in the catalogue or of a world of a suite, or a map file.
+
+    Examples
+    --------
+    >>> stem_of("office"), stem_of("maps/floor.yaml"), stem_of("indoor-30/07")
+    ('office', 'floor', 'indoor-30-07')
+    """
+    from multisrt.environments import suites
+
+    return environment.replace("/", "-") if suites.is_world(environment) else Path(environment).stem
+
+
 def new_folder(folder: Path) -> Path:
     """Return a folder that does not exist: the one named, or else that name with a number.
 

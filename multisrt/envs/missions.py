@@ -14,7 +14,7 @@ from multisrt.environments.environment import Environment
 from multisrt.geometry.errors import InvalidInputError, did_you_mean
 from multisrt.run import RunKeywords, run_fields
 from multisrt.simulation.worlds import build_environment, environment_spec, inline
-from multisrt.spec import CatalogEnvironment, FileEnvironment, InlineEnvironment, RunSpec
+from multisrt.spec import CatalogEnvironment, RunSpec
 from multisrt.spec.environments import EnvironmentSpec
 
 MAX_BUILT = 64
@@ -170,7 +170,7 @@ def seed_of(given: object, what: str = "seed") -> int:
 def _spec_of(world: World) -> EnvironmentSpec:
     if not isinstance(world, World):
         raise InvalidInputError(f"a world is its name, a map file or a spec, not {world!r}")
-    if isinstance(world, CatalogEnvironment | FileEnvironment | InlineEnvironment):
+    if isinstance(world, EnvironmentSpec):
         return world
     if isinstance(world, Environment):
         return inline(world)

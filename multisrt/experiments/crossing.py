@@ -17,6 +17,7 @@ from typing import Any, TypeVar
 
 import msgspec
 
+from multisrt.environments import suites
 from multisrt.experiments.run_specs import (
     Choices,
     forget_worlds,
@@ -273,7 +274,8 @@ def _crossed(spec: ExperimentSpec, block: Block) -> Iterator[Choices]:
     environments = [
         seeded
         for choice in _choices(of("environments"), EnvironmentChoice, "name")
-        for seeded in _by_seed(choice)
+        for one in _by_world(choice)
+        for seeded in _by_seed(one)
     ]
     strategies = _choices(of("strategies"), StrategyChoice, "name")
     starts = _choices(of("starts"), StartsChoice, "how")
@@ -306,6 +308,17 @@ def _choices(given: Sequence[object], kind: type[Choice], field: str) -> list[Ch
 def _as(kind: type[Choice], given: object) -> Choice:
     assert isinstance(given, kind)
     return given
+
+
+def _by_world(choice: EnvironmentChoice) -> Iterator[EnvironmentChoice]:
+    """Yield a choice for each of the worlds of a suite that an environment names."""
+    if choice.wkt is not None or choice.name not in suites.names():
+        yield choice
+        return
+    label = choice.label or choice.name
+    for name in suites.load(choice.name).world_names:
+        own = None if label == choice.name else name.replace(choice.name, label, 1)
+        yield msgspec.structs.replace(choice, name=name, label=own)
 
 
 def _by_seed(choice: EnvironmentChoice) -> Iterator[EnvironmentChoice]:

@@ -15,6 +15,7 @@ from pathlib import Path
 import msgspec
 import numpy as np
 
+from multisrt.environments import suites
 from multisrt.environments.catalog import names
 from multisrt.environments.environment import Environment
 from multisrt.experiments.spec import (
@@ -46,6 +47,7 @@ from multisrt.spec import (
     RobotSpec,
     RunSpec,
     Silence,
+    SuiteEnvironment,
 )
 
 MAX_WORLDS_KEPT = 512
@@ -149,7 +151,7 @@ def written_out(environment: FileEnvironment) -> InlineEnvironment:
 
 
 def is_file(choice: EnvironmentChoice, folder: Path | None = None) -> bool:
-    """Whether an environment is a file, not a name of the catalogue.
+    """Whether an environment is a file, not a name of the catalogue or of a suite.
 
     Parameters
     ----------
@@ -165,7 +167,7 @@ def is_file(choice: EnvironmentChoice, folder: Path | None = None) -> bool:
         Whether the name is a path.
     """
     name = choice.name
-    if name in names():
+    if name in names() or name in suites.names() or suites.is_world(name):
         return False
     separators = (os.sep, *(() if os.altsep is None else (os.altsep,)))
     if Path(name).suffix or any(separator in name for separator in separators):
@@ -218,9 +220,13 @@ def _environment(choice: EnvironmentChoice, seed: int, folder: Path | None) -> E
         _world(msgspec.json.encode(plain))
         return msgspec.structs.replace(plain, seed=own)
     if choice.parameters or choice.seed is not None:
+        kind = "a file" if isinstance(found, FileEnvironment) else "of a suite"
         raise InvalidInputError(
-            f"environment {choice.name!r} is a file: parameters and seeds are for generators"
+            f"environment {choice.name!r} is {kind}: parameters and seeds are for generators"
         )
+    if isinstance(found, SuiteEnvironment):
+        _world(msgspec.json.encode(found))
+        return found
     return written_out(found)
 
 

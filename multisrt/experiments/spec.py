@@ -42,12 +42,13 @@ class _Part(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
 
 
 class EnvironmentChoice(_Part, frozen=True, kw_only=True, omit_defaults=True):
-    """An environment, or one for each of several seeds.
+    """An environment, or one for each of several seeds or of the worlds of a suite.
 
     Attributes
     ----------
     name : str
-        Name in the catalogue, or a map file; paths are relative to the experiment's file.
+        Name in the catalogue, of a suite ("indoor-30") or of one of its worlds ("indoor-30/07"), or
+        a map file; paths are relative to the experiment's file.
     label : str or None
         Label in tables; None: the name, of a file without folder and suffix.
     parameters : dict
@@ -294,7 +295,7 @@ class ExperimentSpec(_Part, frozen=True, kw_only=True, omit_defaults=True):
     about : str
         The question that the experiment answers.
     environments : tuple of str or EnvironmentChoice
-        Names in the catalogue, map files, or generators with parameters and seeds.
+        Names in the catalogue, suites, map files, or generators with parameters and seeds.
     strategies : tuple of str or StrategyChoice
         Names of strategies, or tables with options.
     robots : tuple of int or TeamChoice

@@ -24,6 +24,8 @@ about = "Does a radial safe region explore faster than a star, and does a larger
 environments = [
   "garden",
   "clutter",
+  # "indoor-30",                          # a suite: thirty worlds, thirty conditions
+  # "outdoor-30/07",                      # one world of a suite
   # "maps/floor.yaml",
   # { name = "plan.png", resolution_m = 0.05 },
   # { name = "rooms", seed = "repetition" },                  # another world for each repetition

@@ -8,11 +8,18 @@ from typing import Any
 import numpy as np
 import shapely
 
+from multisrt.environments import suites
 from multisrt.environments.catalog import environment, names
 from multisrt.environments.environment import Environment
 from multisrt.environments.formats import read_environment
 from multisrt.geometry.errors import InvalidInputError, did_you_mean
-from multisrt.spec import CatalogEnvironment, EnvironmentSpec, FileEnvironment, InlineEnvironment
+from multisrt.spec import (
+    CatalogEnvironment,
+    EnvironmentSpec,
+    FileEnvironment,
+    InlineEnvironment,
+    SuiteEnvironment,
+)
 
 
 def environment_spec(
@@ -21,14 +28,14 @@ def environment_spec(
     resolution_m: float | None = None,
     threshold: float | None = None,
     starts_from: str | None = None,
-) -> CatalogEnvironment | FileEnvironment:
+) -> CatalogEnvironment | SuiteEnvironment | FileEnvironment:
     """Return the spec of an environment that is named by a text.
 
     Parameters
     ----------
     text : str
-        A name of the catalogue, or else the path of a file; write ``./office`` for a file whose
-        name is in the catalogue.
+        A name of the catalogue or of a world of a suite (``indoor-30/07``), or else the path of a
+        file; write ``./office`` for a file whose name is in the catalogue.
     resolution_m : float, optional
         Metres per pixel, for an image whose file does not give them.
     threshold : float, optional
@@ -39,28 +46,42 @@ def environment_spec(
     Raises
     ------
     InvalidInputError
-        If the text is neither, or an environment of the catalogue is given a resolution, a
-        threshold or a team file.
+        If the text is none of these, or an environment of the catalogue or of a suite is given a
+        resolution, a threshold or a team file.
 
     Examples
     --------
     >>> environment_spec("office").name
     'office'
+    >>> environment_spec("indoor-30/07").version
+    1
     >>> environment_spec("./office.png", resolution_m=0.05).path
     './office.png'
     """
-    if text in names():
-        if any(value is not None for value in (resolution_m, threshold, starts_from)):
-            raise InvalidInputError(
-                f"{text!r} is an environment of the catalogue: a resolution, a threshold or a "
-                "team file is for images"
-            )
+    kind = "suite" if suites.is_world(text) else "catalogue" if text in names() else ""
+    if kind and any(value is not None for value in (resolution_m, threshold, starts_from)):
+        raise InvalidInputError(
+            f"{text!r} is an environment of the {kind}: a resolution, a threshold or a team file "
+            "is for images"
+        )
+    if kind == "catalogue":
         return CatalogEnvironment(name=text)
+    if kind == "suite":
+        suite = suites.load(text.partition("/")[0])
+        suite.require_world(text)
+        return SuiteEnvironment(name=text, version=suite.version)
+    if text in suites.names():
+        suite = suites.load(text)
+        raise InvalidInputError(
+            f"{text!r} is a suite of {len(suite)} worlds, for experiments; name one of them, "
+            f"{suite.world_names[0]} to {suite.world_names[-1]}"
+        )
     path = Path(text)
     if not _exists(path) and not path.suffix and len(path.parts) == 1:
         raise InvalidInputError(
             f"there is no environment {text!r}{did_you_mean(text, names())} and no file of that "
-            f"name; the catalogue has: {', '.join(names())}"
+            f"name; the catalogue has: {', '.join(names())}; suites are: "
+            f"{', '.join(suites.names())}"
         )
     return FileEnvironment(
         path=text, resolution_m=resolution_m, threshold=threshold, starts_from=starts_from
@@ -95,6 +116,8 @@ def build_environment(spec: EnvironmentSpec) -> Environment:
     if isinstance(spec, CatalogEnvironment):
         parameters: dict[str, Any] = dict(spec.parameters)
         return environment(spec.name, seed=spec.seed, **parameters)
+    if isinstance(spec, SuiteEnvironment):
+        return suites.world(spec.name, version=spec.version)
     if isinstance(spec, FileEnvironment):
         return read_environment(
             Path(spec.path),

@@ -5,6 +5,7 @@ from multisrt.spec.environments import (
     EnvironmentSpec,
     FileEnvironment,
     InlineEnvironment,
+    SuiteEnvironment,
 )
 from multisrt.spec.faults import Death, Fault, LateStart, Silence
 from multisrt.spec.part import Scalar
@@ -40,4 +41,5 @@ __all__ = [
     "Scalar",
     "Silence",
     "StopRule",
+    "SuiteEnvironment",
 ]

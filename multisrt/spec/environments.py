@@ -28,6 +28,28 @@ class CatalogEnvironment(Part, frozen=True, kw_only=True, tag_field="from", tag=
     seed: int | None = None
 
 
+class SuiteEnvironment(Part, frozen=True, kw_only=True, tag_field="from", tag="suite"):
+    """A world of a suite.
+
+    Attributes
+    ----------
+    name : str
+        Its name, such as "indoor-30/07".
+    version : int
+        Version of the suite; another one is an error.
+
+    Examples
+    --------
+    >>> import multisrt as ms
+    >>> spec = ms.RunSpec(environment=ms.SuiteEnvironment(name="mazes-30/00", version=1), seed=1)
+    >>> ms.RunSpec.from_toml(spec.to_toml()) == spec
+    True
+    """
+
+    name: str
+    version: int
+
+
 class FileEnvironment(Part, frozen=True, kw_only=True, tag_field="from", tag="file"):
     """An environment read from a file.
 
@@ -86,4 +108,4 @@ class InlineEnvironment(Part, frozen=True, kw_only=True, tag_field="from", tag="
     starts: tuple[tuple[float, float], ...] = ()
 
 
-EnvironmentSpec = CatalogEnvironment | FileEnvironment | InlineEnvironment
+EnvironmentSpec = CatalogEnvironment | SuiteEnvironment | FileEnvironment | InlineEnvironment

@@ -61,7 +61,7 @@ class RunSpec(Part, frozen=True, kw_only=True):
 
     Attributes
     ----------
-    environment : CatalogEnvironment, FileEnvironment or InlineEnvironment
+    environment : CatalogEnvironment, SuiteEnvironment, FileEnvironment or InlineEnvironment
         The world.
     strategy : str
         Name of a registered strategy; `multisrt.strategies` lists them.

@@ -11,7 +11,7 @@ from shapely import MultiPolygon
 
 from multisrt.environments import Environment
 from multisrt.environments.formats import bitmap
-from multisrt.environments.formats.bitmap import polygons_from_grid
+from multisrt.environments.formats.bitmap import polygons_between_lines, polygons_from_grid
 from multisrt.geometry.errors import InvalidInputError
 
 
@@ -244,3 +244,24 @@ def test_noise_is_refused(monkeypatch):
     noise = np.random.default_rng(1).random((100, 100)) < 0.5
     with pytest.raises(InvalidInputError, match="noise or a photograph"):
         polygons_from_grid(noise, 1.0)
+
+
+@pytest.mark.slow
+@settings(max_examples=100, deadline=None)
+@given(free=grids, seed=st.integers(0, 99))
+def test_cells_between_uneven_lines_are_united(free, seed):
+    rng = np.random.default_rng(seed)
+    x, y = (np.cumsum(rng.integers(1, 5, size + 1)).astype(float) for size in free.shape[::-1])
+    row, column = np.nonzero(free)
+    boxes = shapely.box(x[column], y[row], x[column + 1], y[row + 1])
+    corners = np.pad(free, 1)
+    one, other = corners[:-1, :-1], corners[1:, :-1]
+    across, over = corners[1:, 1:], corners[:-1, 1:]
+    if ((one == across) & (other == over) & (one != other)).any():
+        with pytest.raises(InvalidInputError, match="alone; free one more cell"):
+            polygons_between_lines(free, x, y)
+        return
+    united = polygons_between_lines(free, x, y)
+    assert united.is_valid
+    assert united.equals(shapely.union_all(boxes))
+    assert len(united.geoms) == ndimage.label(free)[1]

@@ -20,7 +20,7 @@ BUNDLED = [entry.name for entry in catalog() if entry.kind == "map"]
 def test_the_catalog_lists_every_name_once_and_in_order() -> None:
     assert tuple(entry.name for entry in catalog()) == names()
     assert len(set(names())) == len(names())
-    assert len(GENERATORS) == 7
+    assert len(GENERATORS) == 12
     assert len(BUNDLED) >= 5
 
 
@@ -54,7 +54,19 @@ def test_origins_can_be_repeated() -> None:
 
 def test_every_generator_takes_keywords_only_and_a_seed() -> None:
     from multisrt.environments import catalog as listing
-    from multisrt.environments.generators import clutter, garden, hospital, maze, office, rooms
+    from multisrt.environments.generators import (
+        cavern,
+        city,
+        clutter,
+        dungeon,
+        forest,
+        garden,
+        hospital,
+        maze,
+        office,
+        rooms,
+        warehouse,
+    )
     from multisrt.environments.generators import open as hall
 
     assert len(listing()) == len(names())
@@ -66,6 +78,11 @@ def test_every_generator_takes_keywords_only_and_a_seed() -> None:
         maze.maze,
         hospital.hospital,
         hall.open_hall,
+        warehouse.warehouse,
+        city.city,
+        forest.forest,
+        cavern.cavern,
+        dungeon.dungeon,
     ]
     for function in functions:
         parameters = inspect.signature(function).parameters.values()

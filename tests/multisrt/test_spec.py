@@ -186,7 +186,7 @@ def test_bad_json_is_refused_by_name(text, named):
         ),
         (
             'environment = {from = "moon"}',
-            "environment.from: Invalid value 'moon'; allowed: 'catalog', 'file', 'wkt'",
+            "environment.from: Invalid value 'moon'; allowed: 'catalog', 'suite', 'file', 'wkt'",
         ),
         (
             'environment = {from = "catalog", name = "open"}\nstop = {max_time_s = nan}',

@@ -32,6 +32,7 @@ def completed(shell, line, monkeypatch):
         ("multisrt explore mu", ["museum"]),
         ("multisrt explore o", ["office", "open"]),
         ("multisrt environments show ho", ["hospital"]),
+        ("multisrt explore mazes-30/2", [f"mazes-30/{number}" for number in range(20, 30)]),
         ("multisrt explore office --strategy srt-r", ["srt-radial"]),
         ("multisrt explore office --strategy minpos --strategy mi", []),
         ("multisrt strategies mi", ["minpos"]),

@@ -4,7 +4,7 @@ import xml.etree.ElementTree as ET
 import pytest
 from PIL import Image
 
-from multisrt.environments import environment, read_environment
+from multisrt.environments import environment, read_environment, suites
 from multisrt.environments.catalog import names
 from tests.multisrt.cli.commands import everything
 
@@ -106,3 +106,17 @@ def test_environments_export_refuses_bad_input(call, folder, words, named):
     assert named in err
     assert err.count("\n") == 1
     assert everything(folder) == before
+
+
+def test_environments_lists_suites_and_draws_their_worlds(call, folder):
+    code, out, _ = call("environments")
+    assert code == 0
+    assert all(re.search(rf"^ *{name} +1 +30 ", out, re.M) for name in suites.names())
+    code, out, err = call("environments", "show", "mazes-30/12")
+    assert (code, err) == (0, "")
+    assert "mazes-30/12: " in out
+    assert (folder / "mazes-30-12.svg").exists()
+    code, _, err = call("environments", "show", "mazes-30")
+    assert code == 2
+    assert "a suite of 30 worlds" in err
+    assert "Traceback" not in err

@@ -34,9 +34,9 @@ TO_THE_CELL = "to the cell, march"
 FOLLOWS_PATH = "follows its path"
 FAR_OVERLAP = "areas overlap up to two ranges"
 LARGE_BETA = "beta of 10"
-
-COHESION: Final[dict[str, Options]] = {FORGETS: {"lost_after_s": 15.0}, WIDER: {"phi_factor": 1.8}}
-"""Changes of self-bidding that loosen the cohesion of the team."""
+IN_PLACE_OF: Final = MappingProxyType(
+    {other: f"self-bidding in the place of {other}" for other in OTHERS}
+)
 
 EQUAL_CHANGES: Final[dict[str, Options]] = {
     NOTHING_LEFT: {"replan": "target"},
@@ -47,7 +47,11 @@ EQUAL_CHANGES: Final[dict[str, Options]] = {
 
 OWN_CHANGES: Final[Mapping[str, dict[str, Options]]] = MappingProxyType(
     {
-        SBX_R: {**COHESION, NO_SIGNALS: {"stop_signals": False}},
+        SBX_R: {
+            FORGETS: {"lost_after_s": 15.0},
+            WIDER: {"phi_factor": 1.8},
+            NO_SIGNALS: {"stop_signals": False},
+        },
         CLOSEST: {},
         UTILITY: {FAR_OVERLAP: {"overlap_ranges": 2.0}, LARGE_BETA: {"beta": 10.0}},
     }
@@ -99,9 +103,7 @@ def _ablation(
     )
 
 
-def _settings(
-    strategy: str, changes: Mapping[str, Options], *, robots: int = ROBOTS, radio_m: int = RADIO_M
-) -> Iterator[Ablation]:
+def _settings(strategy: str, changes: Mapping[str, Options]) -> Iterator[Ablation]:
     """Yield the ablations that change a setting of a strategy."""
     choice = CHOICES[strategy]
     for change, options in changes.items():
@@ -111,8 +113,6 @@ def _settings(
             choice,
             with_options(choice, change, options),
             against=OTHERS if strategy == SBX_R else (strategy,),
-            robots=robots,
-            radio_m=radio_m,
         )
 
 
@@ -130,10 +130,36 @@ def _in_place_of(other: str) -> Iterator[Ablation]:
     for base, changed in sides:
         yield _ablation(
             f"Self-bidding in the place of {other}, whose settings are changed",
-            f"self-bidding in the place of {other}",
+            IN_PLACE_OF[other],
             base,
             changed,
             against=(other,),
+        )
+
+
+def _on_paths(others: Collection[str], *, robots: int, radio_m: int) -> Iterator[Ablation]:
+    """Yield ablations of another condition, where all strategies follow their paths.
+
+    That takes about half of the computing time. They ask whether a claim on the condition fails
+    because of the nearness diagram, and whether it is cohesion that decides.
+    """
+    ours, *theirs = (
+        with_options(CHOICES[name], FOLLOWS_PATH, EQUAL_CHANGES[FOLLOWS_PATH])
+        for name in (SBX_R, *others)
+    )
+    wider = with_options(ours, WIDER, OWN_CHANGES[SBX_R][WIDER])
+    for change, base, changed in (
+        *((IN_PLACE_OF[choice.name], choice, ours) for choice in theirs),
+        (WIDER, ours, wider),
+    ):
+        yield _ablation(
+            "Where all follow their paths",
+            change,
+            base,
+            changed,
+            against=others,
+            robots=robots,
+            radio_m=radio_m,
         )
 
 
@@ -146,10 +172,10 @@ ABLATIONS = Ablations(
         *_settings(CLOSEST, EQUAL_CHANGES),
         *_settings(UTILITY, EQUAL_CHANGES | OWN_CHANGES[UTILITY]),
         *(one for other in OTHERS for one in _in_place_of(other)),
-        *_settings(SBX_R, COHESION, radio_m=30),
-        *_settings(SBX_R, COHESION, robots=2),
-        *_settings(SBX_R, COHESION, robots=2, radio_m=20),
-        *_settings(SBX_R, COHESION, robots=5),
+        *_on_paths(OTHERS, robots=3, radio_m=30),
+        *_on_paths((CLOSEST,), robots=2, radio_m=15),
+        *_on_paths(OTHERS, robots=2, radio_m=20),
+        *_on_paths((UTILITY,), robots=5, radio_m=15),
     ),
 )
 """The ablations of the page."""

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from multisrt.analysis.bids import bids_by_radius
 from multisrt.analysis.bounds import lower_bounds
 from multisrt.analysis.clearances import (
     smallest_clearance,
@@ -268,6 +269,7 @@ def _effort(recording: Recording) -> dict[str, Any]:
         "deadlocks": sum(event.deadlock for event in organized),
         "arcs_closed": _counts(event.reason for event in recording.of(ArcClosed)),
         "diagram_left": _counts(event.because for event in recording.of(DiagramLeft)),
+        "bids_by_radius": _counts(bids_by_radius(recording).elements()),
     }
 
 

@@ -141,6 +141,9 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
     diagram_left : dict of str to int
         How often robots that steer by the nearness diagram changed to following their path for the
         rest of a drive, by reason; see `multisrt.events.DiagramLeft`.
+    bids_by_radius : dict of str to int
+        How often robots with self-bidding chose a goal, by the radius of cohesion; see
+        `multisrt.analysis.bids.bids_by_radius`.
     collisions : int
         Collisions, of which there must be none.
     protective_stops : int
@@ -229,6 +232,7 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
     lower_bound_area_s: float
     lower_bound_witness_s: float | None
     diagram_left: dict[str, int] = {}
+    bids_by_radius: dict[str, int] = {}
 
     def reached(self, threshold: float = SUCCESS_COVERAGE) -> bool:
         """Whether the run was a success: whether it covered enough, however it ended.
@@ -360,6 +364,7 @@ METRIC_GROUPS: dict[str, tuple[str, ...]] = {
         "deadlocks",
         "arcs_closed",
         "diagram_left",
+        "bids_by_radius",
     ),
     "safety": (
         "collisions",

@@ -96,8 +96,16 @@ class FamilyFinding:
         return saying(self.test.p_value, self.test.a_lower > 0.5)
 
 
-def weigh(comparisons: Iterable[Comparison]) -> list[Finding]:
-    """Return the tests of the comparisons of one claim, without those that lack runs."""
+def weigh(comparisons: Iterable[Comparison], *, adjusted: bool = True) -> list[Finding]:
+    """Return the tests of the comparisons of one claim, without those that lack runs.
+
+    Parameters
+    ----------
+    comparisons : iterable of Comparison
+        The comparisons.
+    adjusted : bool
+        Whether to adjust p-values over them by Holm's procedure.
+    """
     found = [comparison for comparison in comparisons if comparison.has_runs]
     tests = [(paired if c.paired else unpaired)(*c.sides) for c in found]
     return [
@@ -107,7 +115,7 @@ def weigh(comparisons: Iterable[Comparison]) -> list[Finding]:
             is_lower=test.a_lower > 0.5,
             effect=vargha_delaney(*comparison.sides),
         )
-        for comparison, test in zip(found, corrected(tests), strict=True)
+        for comparison, test in zip(found, corrected(tests) if adjusted else tests, strict=True)
     ]
 
 

@@ -11,7 +11,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from multisrt.experiments.crossing import Condition
 from multisrt.experiments.measures import Measure, measure_named
 from multisrt.experiments.results import Results
 from multisrt.experiments.spec import (
@@ -27,12 +26,16 @@ from multisrt.presets.judging import Judged, judge
 from multisrt.presets.preset import Deviation, Preset, in_world
 from multisrt.presets.sbx_r_ablations import (
     ABLATIONS,
+    EQUAL_CHANGES,
+    FAR_OVERLAP,
+    FOLLOWS_PATH,
     FORGETS,
+    LARGE_BETA,
     NO_SIGNALS,
     NOTHING_LEFT,
-    TO_THE_CELL,
 )
-from multisrt.presets.sbx_r_claims import ALL, CLAIMS, Cell, CellClaim
+from multisrt.presets.sbx_r_claims import ALL, CLAIMS, Cell, CellClaim, conditions_by_cell
+from multisrt.presets.sbx_r_cohesion import DONE, ISOLATED, bids_table, shares_table
 from multisrt.presets.sbx_r_settings import MAX_TIME_S, STRATEGIES, diagram_table
 from multisrt.presets.sbx_r_tables import (
     NAMES,
@@ -54,21 +57,32 @@ from multisrt.statistics.summaries import median
 QUICK_TEAMS = (3,)
 REPETITIONS, QUICK_REPETITIONS = 31, 6
 RANGE_M = 4.0
-TIME, HOME = measure_named("known_complete_s"), measure_named("makespan_s")
+TIME, SPLIT = measure_named("known_complete_s"), measure_named("split_s")
+
+BESIDE = {ISOLATED: (SPLIT, "while the team was split"), TIME: (DONE, "until all are done")}
+"""What else claims on a measure are judged by, and what is shown beside the paper's table."""
 
 DEVIATIONS = (
     Deviation(
         "World: an office of 50 x 25 m, the size of the paper's map, which is not available. Ours "
-        "has more rooms and furniture: marks can be compared, times and distances cannot."
+        "has more rooms and furniture: marks can be compared, times and distances cannot. It is "
+        "one generated office, the same in all repetitions, and the claims are judged in it alone."
     ),
     Deviation(
-        f"Robots: discs of 0.25 m, differential, 0.5 m/s; range finders {RANGE_M:g} m, all around, "
-        "exact. The paper simulates Pioneer 2-DX robots in Player/Stage, with lasers of the same "
-        "range and view. Messages are relayed; walls do not block them."
+        f"Robots: discs with a radius of 0.25 m, differential, 0.5 m/s; range finders {RANGE_M:g} "
+        "m, all around, exact. The paper simulates Pioneer 2-DX robots in Player/Stage, with "
+        "lasers of the same range and view. Bodies do not hide what is behind them; in Stage they "
+        "do. Messages are relayed; walls do not block them."
     ),
     Deviation(
-        "Driving: all strategies drive by Smooth Nearness Diagram, as in the paper. "
-        "It is slow near obstacles: teams take more than twice as long as with path following."
+        "Driving: all strategies drive by Smooth Nearness Diagram, as SBX-R does in the paper. "
+        "It is slow near obstacles.",
+        (FOLLOWS_PATH,),
+    ),
+    Deviation(
+        "Nearness diagram: where it makes no progress for 5 s, gives no command that can be held, "
+        "as no opening is passable or a body or the unknown is too near, or comes within 0.5 m of "
+        "the goal, the robot follows its path for the rest of the drive. A table says how often."
     ),
     Deviation(
         "Starts: the paper does not give them. Here the configuration of the first robot is drawn "
@@ -76,31 +90,47 @@ DEVIATIONS = (
     ),
     Deviation(
         "Choosing: when the last goal is reached, in sight within half the range of the sensor, "
-        "even if it is no frontier any more, as the paper describes SBX-R; with self-bidding also "
-        "on a stop signal. In all strategies also where the path turns out not to be free, or "
-        "after giving way to another robot.",
+        "even if it is no frontier any more; with self-bidding also on a stop signal. So says "
+        "Algorithm 1 of the paper, while section III, state 2, has a robot choose again when its "
+        "goal has been explored. In all strategies also where the path turns out not to be free, "
+        "after giving way to another robot or waiting for others, and where a robot that was done "
+        "hears something new.",
         (NOTHING_LEFT, NO_SIGNALS),
     ),
     Deviation(
         "Settings: all strategies choose, reach their goals, plan by EEDT and drive in the same "
         "way; the paper says so of SBX-R alone. Lengths by which goals are compared are those of a "
         "fast march.",
-        (TO_THE_CELL,),
+        tuple(EQUAL_CHANGES),
+    ),
+    Deviation(
+        "Maps and goals are sent to all in reach after every scan that shows something new, and "
+        "goals also when a drive begins and every 2 s, by all strategies. By the paper's Algorithm "
+        "1 a robot asks for maps and goals when it chooses, and then sends its goal."
     ),
     Deviation(
         "Members of the team: by self-bidding a robot out of range counts with its last known "
         "place and goal until it is broken, and none is; the leader of utility assigns goals to "
-        "the robots in contact. Only self-bidding sends stop signals.",
-        (FORGETS, NO_SIGNALS),
+        "the robots that it heard from in the last 15 s.",
+        (FORGETS,),
     ),
     Deviation(
-        "Utility: the leader answers a robot that asks, and the others keep their goals. The paper "
-        "does not say how its leader answers."
+        "Bids: robots that are done, also because others block all their paths, do not take part, "
+        "and their places hold no bridge; in the paper all robots that are not broken bid. The "
+        "radius phi bounds paths as in Equation 1; the text above it has 0.9 phi."
     ),
     Deviation(
-        "Nearness diagram: where it makes no progress for 5 s, sees no opening, or comes within "
-        "0.5 m of the goal, the robot follows its path for the rest of the drive. A table says how "
-        "often."
+        "Stop signals: only self-bidding sends them. A robot sends one for a goal that it has "
+        "explored itself; the paper's section III.B also has one where another robot has just "
+        "chosen the same frontier, which its Algorithm 1 lacks.",
+        (NO_SIGNALS,),
+    ),
+    Deviation(
+        "Utility: the leader answers a robot that asks, and the others keep their goals; the paper "
+        "does not say how its leader answers. A cost counts as a share of the largest one, with a "
+        "weight (beta) of 1. Goals take utility from targets up to the range of the range finder, "
+        "as Burgard et al. have it; areas that are seen from two places overlap up to twice that.",
+        (FAR_OVERLAP, LARGE_BETA),
     ),
     Deviation(
         "For a single robot all strategies are the same: it runs 'closest' once per repetition, as "
@@ -116,9 +146,15 @@ DEVIATIONS = (
     ),
     Deviation(
         "Time: until a robot knows the map complete. The claims on times are judged by the time "
-        "until all are home as well, and both are shown."
+        "until all are done as well, and both are shown."
     ),
-    Deviation("Isolation counts until the last robot is home."),
+    Deviation(
+        "Isolation: of a robot that is out of range of all others, until the last robot is done. "
+        "The paper calls the total time that in which some robot was isolated, and also that in "
+        "which the network was broken: two pairs out of range of each other break it, and neither "
+        "is isolated. The claims on the total time are judged by the time in which the team was "
+        "split as well, and both are shown."
+    ),
 )
 
 READING = (
@@ -166,7 +202,9 @@ def tables(results: Results) -> list[PrintedTable]:
     cells = Cells(results)
     return [
         *(beside(cells, table) for table in PAPER),
-        *(beside(cells, _until_home(table)) for table in PAPER if table.measure == TIME),
+        *(beside(cells, _by_other(table)) for table in PAPER if table.measure in BESIDE),
+        shares_table(cells),
+        bids_table(cells),
         agreement(cells),
         diagram_table(cells),
         *(judged.table for judged in _judged(results)),
@@ -184,7 +222,7 @@ def _judged(results: Results) -> list[Judged]:
             so="self-bidding is better" if claim.better else "self-bidding is worse",
             otherwise="it is worse" if claim.better else "it is better",
             sides=(SBX_R, "the other") if claim.better else ("the other", SBX_R),
-            beside=_family(cells, claim, HOME) if claim.table.measure == TIME else None,
+            beside=_beside(cells, claim),
         )
         for claim in CLAIMS
     ]
@@ -192,7 +230,7 @@ def _judged(results: Results) -> list[Judged]:
 
 def _family(cells: Cells, claim: CellClaim, measure: Measure) -> Family:
     # Cells that a quick experiment lacks are left out.
-    made = _places(cells)
+    made = conditions_by_cell(cells)
     return Family(
         comparisons=[
             _compared(cells, measure, cell, claim.better) for cell in claim.cells if cell in made
@@ -201,12 +239,13 @@ def _family(cells: Cells, claim: CellClaim, measure: Measure) -> Family:
     )
 
 
-def _places(cells: Cells) -> dict[Cell, Condition]:
-    return {(at.strategy, int(at.radio.split()[0]), at.robots): at for at in cells.conditions()}
+def _beside(cells: Cells, claim: CellClaim) -> Family | None:
+    other = BESIDE.get(claim.table.measure)
+    return None if other is None else _family(cells, claim, other[0])
 
 
 def _compared(cells: Cells, measure: Measure, cell: Cell, better: bool = True) -> Comparison:
-    places = _places(cells)
+    places = conditions_by_cell(cells)
     other, radio_m, robots = cell
     ours, theirs = places[SBX_R, radio_m, robots], places[cell]
     return cells.compared(
@@ -222,9 +261,9 @@ def _compared(cells: Cells, measure: Measure, cell: Cell, better: bool = True) -
 # Tables -------------------------------------------------------------------------------------
 
 
-def marks(cells: Cells, table: PaperTable) -> dict[Cell, Mark]:
+def marks(cells: Cells, table: PaperTable, *, adjusted: bool = True) -> dict[Cell, Mark]:
     """Return the marks of the cells with runs; each other strategy is a family of tests."""
-    places = _places(cells)
+    places = conditions_by_cell(cells)
     found: dict[Cell, Mark] = {}
     for other in OTHERS:
         there = {
@@ -232,7 +271,7 @@ def marks(cells: Cells, table: PaperTable) -> dict[Cell, Mark]:
             for cell in ALL[other]
             if cell in places and (comparison := _compared(cells, table.measure, cell)).has_runs
         }
-        found |= dict(zip(there, map(_mark, weigh(there.values())), strict=True))
+        found |= dict(zip(there, map(_mark, weigh(there.values(), adjusted=adjusted)), strict=True))
     return found
 
 
@@ -242,7 +281,7 @@ def _mark(finding: Finding) -> Mark:
 
 def beside(cells: Cells, table: PaperTable) -> PrintedTable:
     """Return a table in the paper's layout, with each of its rows below ours."""
-    places, ours = _places(cells), marks(cells, table)
+    places, ours = conditions_by_cell(cells), marks(cells, table)
     rows = []
     for strategy in (*OTHERS, SBX_R):
         for radio_m in RADIO_RANGES_M:
@@ -276,33 +315,41 @@ def _entry(values: Collection[float], measure: Measure, mark: Mark) -> str:
     return f"{number(float(median(np.array([*values]))), measure.digits)} {mark}".strip()
 
 
-def _until_home(table: PaperTable) -> PaperTable:
-    """Return a table of times with our times until all are home."""
-    return replace(table, title=f"{table.title}, ours until all are home", measure=HOME)
+def _by_other(table: PaperTable) -> PaperTable:
+    """Return a table with our values of the measure in `BESIDE`."""
+    measure, words = BESIDE[table.measure]
+    return replace(table, title=f"{table.title}, ours {words}", measure=measure)
 
 
 def agreement(cells: Cells) -> PrintedTable:
     """Return the table of the numbers of our marks that agree with the paper's."""
     rows = []
     for table in PAPER:
-        ours = marks(cells, table)
-        for other in OTHERS:
-            pairs = [(ours[cell], table.mark(*cell)) for cell in ALL[other] if cell in ours]
-            rows.append(
-                (
-                    f"Table {table.number}, against {other}",
-                    str(len(pairs)),
-                    str(sum(mine == theirs for mine, theirs in pairs)),
-                    str(sum(bool(mine) and not theirs for mine, theirs in pairs)),
-                    str(sum(bool(theirs) and not mine for mine, theirs in pairs)),
-                    str(sum({mine, theirs} == {"+", "-"} for mine, theirs in pairs)),
+        for adjusted in (False, True):
+            ours = marks(cells, table, adjusted=adjusted)
+            for other in OTHERS:
+                pairs = [(ours[cell], table.mark(*cell)) for cell in ALL[other] if cell in ours]
+                rows.append(
+                    (
+                        f"Table {table.number}, against {other}",
+                        "by Holm" if adjusted else "as they are",
+                        str(len(pairs)),
+                        str(sum(mine == theirs for mine, theirs in pairs)),
+                        str(sum(bool(mine) and not theirs for mine, theirs in pairs)),
+                        str(sum(bool(theirs) and not mine for mine, theirs in pairs)),
+                        str(sum({mine, theirs} == {"+", "-"} for mine, theirs in pairs)),
+                    )
                 )
-            )
     return PrintedTable(
         title="Marks that agree with the paper's",
         source="SBX-R, Tables I to V",
-        columns=("marks", "compared", "the same", "only ours", "only the paper's", "opposite"),
+        columns=(
+            *("marks", "p-values", "compared"),
+            *("the same", "only ours", "only the paper's", "opposite"),
+        ),
         rows=tuple(rows),
+        note="By p-values of our tests as they are, and adjusted by Holm's procedure as those of "
+        "the tables above. The paper speaks of no adjustment.",
     )
 
 

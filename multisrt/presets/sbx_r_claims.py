@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 
+from multisrt.experiments.crossing import Condition
+from multisrt.presets.cells import Cells
 from multisrt.presets.sbx_r_tables import (
     CLOSEST,
     OTHERS,
@@ -51,7 +54,7 @@ def _cell_claims() -> list[CellClaim]:
     together = [
         CellClaim(text=f"{text} than with {other}.", table=table, cells=ALL[other])
         for text, table in (
-            ("With self-bidding some robot is isolated for less time", isolation),
+            ("With self-bidding the time in which some robot is isolated is shorter", isolation),
             ("With self-bidding the longest isolation of a robot is shorter", longest),
             ("With self-bidding an isolated robot goes less far out of range", beyond),
         )
@@ -60,10 +63,15 @@ def _cell_claims() -> list[CellClaim]:
     return [
         *together,
         CellClaim(
-            text="In teams of 3 and 4 with a radio of 20 or 30 m self-bidding takes less time than "
-            "both others.",
+            text="Self-bidding takes less time than both others in teams of 3 and 4 with a radio "
+            "of 20 or 30 m and in teams of 5 with one of 30 m, and less than closest in teams of 4 "
+            "with one of 15 m.",
             table=time,
-            cells=tuple((o, radio, n) for o in OTHERS for radio in (20, 30) for n in (3, 4)),
+            cells=(
+                *((o, radio, n) for o in OTHERS for radio in (20, 30) for n in (3, 4)),
+                *((o, 30, 5) for o in OTHERS),
+                (CLOSEST, 15, 4),
+            ),
         ),
         CellClaim(
             text="Two robots with a radio of 15 m take longer by self-bidding than by closest.",
@@ -78,9 +86,16 @@ def _cell_claims() -> list[CellClaim]:
             better=False,
         ),
         CellClaim(
-            text="Teams of 3 to 5 travel less by self-bidding than by closest.",
+            text="In teams of 3 to 5 distances are shorter by self-bidding than by closest, or do "
+            "not differ significantly.",
             table=distance,
             cells=tuple((CLOSEST, radio, n) for radio in RADIO_RANGES_M for n in (3, 4, 5)),
+        ),
+        CellClaim(
+            text="Two robots with a radio of 20 m travel more by self-bidding than by both others.",
+            table=distance,
+            cells=tuple((o, 20, 2) for o in OTHERS),
+            better=False,
         ),
         CellClaim(
             text="With a radio of 15 m teams travel more by self-bidding than by utility.",
@@ -99,3 +114,30 @@ def _cell_claims() -> list[CellClaim]:
 
 CLAIMS = _cell_claims()
 """Claims in the text of section IV, all of which the printed marks support."""
+
+
+def claims_about(others: Collection[str], radio_m: int, robots: int) -> tuple[str, ...]:
+    """Return the texts of the claims that refer to a radio and a team size.
+
+    Parameters
+    ----------
+    others : collection of str
+        The strategies of which at least one is compared there.
+    radio_m, robots : int
+        Range of the radio in metres, and team size.
+
+    Examples
+    --------
+    >>> print(*claims_about(["closest", "utility"], 20, 2)[-1:])
+    Two robots with a radio of 20 m travel more by self-bidding than by both others.
+    """
+    return tuple(
+        claim.text
+        for claim in CLAIMS
+        if any((other, radio_m, robots) in claim.cells for other in others)
+    )
+
+
+def conditions_by_cell(cells: Cells) -> dict[Cell, Condition]:
+    """Return the conditions of an experiment by the cell that they are in, also of SBX-R."""
+    return {(at.strategy, int(at.radio.split()[0]), at.robots): at for at in cells.conditions()}

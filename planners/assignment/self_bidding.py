@@ -1,4 +1,4 @@
-"""SELF-BIDDING: a robot bids for itself and for its team, and stays within reach of the others.
+"""SELF-BIDDING: a robot bids for itself and for its team, where it can within reach of the others.
 
 Source: J. C. Elizondo, G. Ramírez, E. Rodriguez and J. R. Martínez, Multi-robot Exploration Using
 Self-Biddings under Constraints on Communication Range (SBX-R), sections III.A and III.B.
@@ -164,8 +164,11 @@ def self_bidding(
     infinite. Only frontiers nearer than phi to another robot take part. phi grows until `robot`
     has a finite bid or phi exceeds the diagonal. Then the table, padded by virtual frontiers at a
     large cost, is matched at minimum cost. A robot matched to a virtual frontier goes to its
-    nearest frontier, whichever other robot goes there too: that holds the bridge. A robot alone
-    has no penalty and goes to its nearest frontier.
+    nearest frontier, whatever phi is and whichever other robot goes there too: the paper wants the
+    bridge held so. A robot alone has no penalty and goes to its nearest frontier.
+
+    Where all robots have paths to all frontiers, rho adds the same number to all bids of a robot.
+    It then decides only which robots go without, where frontiers or finite bids are too few.
 
     Differs in, where the paper leaves it open: phi bounds the path as in Equation 1, where the
     text above it has 0.9 phi; a robot left with infinite bids only counts as matched to a virtual

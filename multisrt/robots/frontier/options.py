@@ -34,8 +34,8 @@ class FrontierOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
         When a goal is chosen again: whenever the map has changed; when the last one is reached or
         nothing is left to be seen there; or only when it is reached, or another robot sends a stop
         signal (SBX-R). With "arrival" a robot drives on to a goal that is no frontier any more. In
-        all cases it also chooses again where its path turns out not to be free, and after it gave
-        way.
+        all cases it also chooses again where its path turns out not to be free, after it gave way
+        or waited for others, and where it was done and hears something new.
     replan_period_s : float
         Minimum time between two choices because of news, in seconds.
     reached : {"cell", "sight"}
@@ -221,7 +221,9 @@ class SelfBiddingOptions(BiddingOptions, frozen=True, kw_only=True, forbid_unkno
     Attributes
     ----------
     replan : {"arrival", "target", "news"}
-        As above; in the paper a robot decides at its target, or on a stop signal: "arrival".
+        As above. The paper says both: by its Algorithm 1 a robot chooses again at its target or on
+        a stop signal ("arrival"), by section III, state 2, when its target has been explored
+        ("target").
     lost_after_s : float
         As above; in the paper a robot is left out only when it is broken. Silence does not tell
         whether a robot is broken or out of range, so the default is longer than robots usually

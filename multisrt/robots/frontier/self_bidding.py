@@ -1,4 +1,4 @@
-"""SBX-R: robots bid for themselves and for each other, and stay within reach of one another.
+"""SBX-R: robots bid for themselves and for each other, where they can within reach of the others.
 
 Source: J. C. Elizondo, G. Ramírez, E. Rodriguez and J. R. Martínez, Multi-robot Exploration Using
 Self-Biddings under Constraints on Communication Range (SBX-R), section III. Differs in:
@@ -6,11 +6,12 @@ Self-Biddings under Constraints on Communication Range (SBX-R), section III. Dif
 - In the paper all path lengths and paths are EEDT's. Here the lengths a, and the paths that phi
   bounds, come from the fast march, straightened for the latter. With ``paths="eedt"``, the default,
   the robot then drives the path of EEDT, and rho is measured along that path.
-- Robots with nothing to do do not take part: they have no row in the table of bids, and no goal or
-  position of theirs holds the bridge. Nor do robots that are lost: that were met and did not
-  answer, or were not heard from for `lost_after_s`. In the paper only a robot that is broken is
-  left out, and nothing is said about how others know. Until then a robot out of range takes part
-  with its last known goal and position. Nobody waits for it: phi grows until a bid is finite.
+- Robots with nothing to do, or all of whose paths others block, do not take part: they have no row
+  in the table of bids, and no goal or position of theirs holds the bridge. Nor do robots that are
+  lost: that were met and did not answer, or were not heard from for `lost_after_s`. In the paper
+  only a robot that is broken is left out, and nothing is said about how others know. Until then a
+  robot out of range takes part with its last known goal and position. Nobody waits for it: phi
+  grows until a bid is finite.
 - Nodes are sent after every scan that changed the map; in Algorithm 1 a robot asks for maps when
   it decides. It still asks for goals then, and for the nodes that it lacks.
 - Stop signals are sent after a scan that added a node of the robot's own, once for each goal, by

@@ -99,7 +99,7 @@ def bidding(
     def values(at: Condition, repetition: int) -> dict[str, object]:
         ours = factors(at) if at.strategy == "self-bidding" else 1.0
         value = 100.0 * ours * (1.0 + spread * noise_of(at, repetition, "any"))
-        names = [*(table.measure.name for table in PAPER), "makespan_s"]
+        names = [*(table.measure.name for table in PAPER), "makespan_s", "split_s"]
         return dict.fromkeys(names, value)
 
     return values

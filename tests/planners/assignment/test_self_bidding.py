@@ -195,6 +195,23 @@ def test_robots_with_the_same_radius_decide_alike(a, gap):
             assert (decision.bids == decisions[0].bids).all()
 
 
+@given(
+    arrays(float, (3, 4), elements=st.integers(0, 30)),
+    arrays(float, (3,), elements=st.integers(0, 30)),
+)
+def test_what_is_left_of_paths_decides_only_who_goes_without(a, rho):
+    # With a frontier for each robot the bids of a row differ by one number, and nothing else does.
+    for robot in range(3):
+        assert bid(robot, rho, a).choice == bid(robot, [0.0, 0.0, 0.0], a).choice
+
+
+def test_the_robot_with_more_of_its_path_left_goes_without():
+    # One frontier, 1 m from both goals.
+    a = [[1.0], [1.0]]
+    assert bid(0, [5.0, 2.0], a).matching.tolist() == [-1, 0]
+    assert bid(0, [2.0, 5.0], a).matching.tolist() == [0, -1]
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [

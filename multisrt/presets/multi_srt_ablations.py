@@ -89,20 +89,28 @@ def _ablation(
     )
 
 
-def by_papers_planner(cells: Cells) -> dict[str, list[Claim]]:
-    """Return the claims on larger teams as judged by the runs with the paper's planner alone.
+def beside(cells: Cells) -> dict[str, list[Claim]]:
+    """Return the claims on larger teams as judged by runs with a change.
 
-    That is in the garden with `RADIAL` and an unlimited radio. With this planner no robot knows
-    its map complete, so that the time is that until all are home.
+    They are those in the garden with `RADIAL` and an unlimited radio. With the paper's planner
+    alone no robot knows its map complete, so that the time is that until all are home. Without
+    support the distance should not grow, if support is the reason.
     """
-    alone = with_options(StrategyChoice(name=RADIAL), PAPERS_PLANNER_ALONE, PAPERS_PLANNER).label
-    runs = cells.where(lambda at: at.strategy == alone)
-    judged = (
-        time_falls(runs, TIME),
-        time_does_not_always_fall(runs, TIME),
-        distance_grows(runs, UNLIMITED),
-    )
-    return {PAPERS_PLANNER_ALONE: [one.claim for one in judged]}
+    alone, unsupported = (_with(cells, change) for change in (PAPERS_PLANNER_ALONE, NONE_SUPPORTED))
+    judged = {
+        PAPERS_PLANNER_ALONE: (
+            time_falls(alone, TIME),
+            time_does_not_always_fall(alone, TIME),
+            distance_grows(alone, UNLIMITED),
+        ),
+        NONE_SUPPORTED: (distance_grows(unsupported, UNLIMITED),),
+    }
+    return {change: [one.claim for one in of] for change, of in judged.items()}
+
+
+def _with(cells: Cells, change: str) -> Cells:
+    label = with_options(StrategyChoice(name=RADIAL), change, {}).label
+    return cells.where(lambda at: at.strategy == label)
 
 
 _LARGE: Teams = (4, 8, 16)
@@ -112,7 +120,7 @@ ABLATIONS = Ablations(
     repetitions=10,
     run_s=3.0,
     quick_repetitions=6,
-    beside=by_papers_planner,
+    beside=beside,
     changes=(
         _ablation(DIFFERENCES, PAPERS_PLANNER_ALONE, PAPERS_PLANNER, robots=(1, 8)),
         _ablation(DIFFERENCES, PLANNER_TELLS, {**PAPERS_PLANNER, "no_place_after": 3}),

@@ -45,10 +45,10 @@ DISTANCE_GROWS = {
 """By radio: the paper names none, and its reason exists with the unlimited one only."""
 
 WHY_DISTANCE_GROWS = {
-    UNLIMITED: "'because more robots try to support the others'; support is 'only used when an "
-    "unlimited communication range is handled' (section 2)",
-    LIMITED.label: "if the sentence on the distance is meant for both radios; its reason, support, "
-    "is the unlimited one's",
+    UNLIMITED: "'because more robots try to support the others', which by section 2 is 'only used "
+    "when an unlimited communication range is handled'",
+    LIMITED.label: "if its sentence on the distance is meant for both radios; the reason that it "
+    "gives, support, exists with the unlimited one only",
 }
 """What the source of these claims says of the radio."""
 
@@ -98,7 +98,7 @@ def distance_grows(cells: Cells, radio: str) -> Judged:
     with_radio = cells.where(lambda at: at.robots == 1 or at.radio == radio)
     return judge(
         DISTANCE_GROWS[radio],
-        f"{SOURCE}, {WHY_DISTANCE_GROWS[radio]}",
+        f"{SOURCE} ({WHY_DISTANCE_GROWS[radio]})",
         _growing(with_radio, DISTANCE, ("scattered", "clustered")),
         scope="always",
         so="it grows",

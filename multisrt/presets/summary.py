@@ -133,8 +133,8 @@ def _gaps(results: Results) -> str:
 
 def _verdicts(claim: Claim, beside: Beside) -> str:
     """Return the verdict, and in brackets those by runs with a change."""
-    others = (f"{change}: {other.verdict}" for change, other in beside.get(claim.text, ()))
-    return " ".join((claim.verdict, *(f"({one})" for one in others)))
+    others = "; ".join(f"{by}: {other.verdict}" for by, other in beside.get(claim.text, ()))
+    return f"{claim.verdict} ({others})" if others else claim.verdict
 
 
 def _claim(claim: Claim, ablations: Ablations | None, beside: Beside) -> str:

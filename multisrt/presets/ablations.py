@@ -1,8 +1,8 @@
 """Ablations: an experiment with one thing changed, beside the same runs without the change.
 
 They show what a difference from a paper's method does, or why a claim does not hold. They are run
-apart from the experiment that the claims are judged by, in few conditions and repetitions, and
-have no verdicts.
+apart from the experiment that the claims are judged by, in few conditions and repetitions. Where a
+difference may decide a verdict, that of the runs with a change is given beside it.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from multisrt.experiments.spec import Block, ExperimentSpec, StrategyChoice
 from multisrt.presets.cells import Cells, Comparison, Family
 from multisrt.presets.findings import weigh_family
 from multisrt.presets.words import number, p_text
-from multisrt.reporting.claims import PrintedTable
+from multisrt.reporting.claims import Claim, PrintedTable
 from multisrt.spec import Scalar
 from multisrt.statistics.summaries import median
 
@@ -110,6 +110,12 @@ def with_options(
 OwnTables = Callable[[Cells, Sequence[Ablation]], list[PrintedTable]]
 """Function that returns tables of its own for the runs and the ablations of an experiment."""
 
+Beside = Callable[[Cells], Mapping[str, Sequence[Claim]]]
+"""Function that returns, by change, claims of the preset as judged by the runs with it."""
+
+ANY_COVERAGE = 1e-6
+"""Share of the explorable area that a run covers in any case."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Ablations:
@@ -125,6 +131,9 @@ class Ablations:
     own_tables : callable, optional
         ``own_tables(cells, changes)`` returns tables that come before those of the topics, where
         a paper's quantity is not a measure of a run.
+    beside : callable, optional
+        ``beside(cells)`` returns, by change, claims of the preset as judged by the runs with it.
+        These count successful or not, as in the tables.
     run_s : float or None
         Computing time of a run, on average, in seconds of one core; None if it is not known.
 
@@ -141,6 +150,7 @@ class Ablations:
     repetitions: int
     quick_repetitions: int
     own_tables: OwnTables | None = None
+    beside: Beside | None = None
     run_s: float | None = None
 
     @property
@@ -208,6 +218,28 @@ class Ablations:
             The ablations, of which several may be the same change in other conditions.
         """
         return [one for one in self.changes if claim in one.topic.claims]
+
+    def verdicts_beside(self, results: Results) -> dict[str, list[tuple[str, Claim]]]:
+        """Return the claims that are judged by runs with a change as well.
+
+        Parameters
+        ----------
+        results : Results
+            Results of `experiment`, which may be incomplete.
+
+        Returns
+        -------
+        dict of str to list of (str, Claim)
+            By the text of a claim the changes, each with the claim as judged by its runs.
+        """
+        found: dict[str, list[tuple[str, Claim]]] = {}
+        if self.beside is not None:
+            spec = msgspec.structs.replace(results.experiment, success_coverage=ANY_COVERAGE)
+            cells = Cells(Results(spec, results, results.planned, results.provenance))
+            for change, claims in self.beside(cells).items():
+                for claim in claims:
+                    found.setdefault(claim.text, []).append((change, claim))
+        return found
 
     def tables(self, results: Results) -> list[PrintedTable]:
         """Return the preset's own tables, and one for each topic.

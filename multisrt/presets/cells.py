@@ -8,7 +8,8 @@ these differ in their strategy, team size or radio, and the cells of a family sh
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from copy import copy
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -140,8 +141,14 @@ class Cells:
         for result in results:
             self._runs.setdefault(result.condition, {})[result.repetition] = result
 
+    def where(self, is_meant: Callable[[Condition], bool]) -> Cells:
+        """Return the cells without the conditions for which a function returns false."""
+        some = copy(self)
+        some._runs = {at: runs for at, runs in self._runs.items() if is_meant(at)}
+        return some
+
     def conditions(self) -> list[Condition]:
-        """Return all conditions of the experiment, in its order."""
+        """Return all conditions, in the order of the experiment."""
         return list(self._runs)
 
     def of(self, condition: Condition) -> list[Result]:

@@ -9,39 +9,36 @@ import msgspec
 from multisrt.experiments.measures import measure_named
 from multisrt.experiments.spec import Block, RadioChoice, StrategyChoice, Teams
 from multisrt.presets.ablations import Ablation, Ablations, Topic, with_options
+from multisrt.presets.cells import Cells
+from multisrt.presets.multi_srt_claims import (
+    DISTANCE,
+    DISTANCE_GROWS,
+    KNOWN,
+    LIMITED,
+    NOT_IN_EVERY_STEP,
+    RADIAL,
+    STAR,
+    TIME,
+    UNLIMITED,
+    distance_grows,
+    time_does_not_always_fall,
+    time_falls,
+)
+from multisrt.reporting.claims import Claim
 from multisrt.spec import Scalar
 
-STAR, RADIAL = "srt-star", "srt-radial"
-RADIO_RANGE_M = 15.0
-
-TIME, KNOWN = measure_named("makespan_s"), measure_named("known_complete_s")
-"""The times by which claims are judged: one or the other is the paper's exploration time."""
-
-TIMES = {TIME: "until all are home", KNOWN: "until a robot knows the map complete"}
-"""Both of them, as claims name them."""
-
-DISTANCE_GROWS = "The total distance grows with the number of robots."
-TAKES_LONGER = {
-    time: f"With clustered starts there are teams in which more robots take longer {until}."
-    for time, until in TIMES.items()
-}
-
-MEASURES = (
-    KNOWN,
-    TIME,
-    *map(measure_named, ("total_distance_m", "nodes", "coverage")),
-)
+MEASURES = (KNOWN, TIME, DISTANCE, *map(measure_named, ("nodes", "coverage")))
 
 DIFFERENCES = Topic(title="What the differences from the paper do", measures=MEASURES)
-DISTANCE = Topic(
-    title="Why the total distance does not grow with every team",
+TOTAL_DISTANCE = Topic(
+    title="What the total distance depends on",
     measures=MEASURES,
-    claims=(DISTANCE_GROWS,),
+    claims=tuple(DISTANCE_GROWS.values()),
 )
-CLUSTERED = Topic(
-    title="Why larger clustered teams know the map complete no later",
+LARGER_TEAMS = Topic(
+    title="Whether larger teams take longer by the paper's planner alone, or without support",
     measures=MEASURES,
-    claims=tuple(TAKES_LONGER.values()),
+    claims=tuple(NOT_IN_EVERY_STEP.values()),
 )
 
 PAPERS_PLANNER_ALONE = "the paper's planner alone"
@@ -55,9 +52,6 @@ IN_CONTACT = "support of robots in contact"
 PLANNER_TELLS = "the paper's planner alone, robots tell of nodes without a place"
 
 CLUSTER: Teams = (8,)
-LIMITED = RadioChoice(range_m=RADIO_RANGE_M, label=f"{RADIO_RANGE_M:g} m")
-"""The limited radio of the experiment."""
-
 PAPERS_PLANNER: dict[str, Scalar] = {"approach": False, "complete": False}
 """Without the two stages of planning that are not the paper's."""
 
@@ -95,12 +89,38 @@ def _ablation(
     )
 
 
+def beside(cells: Cells) -> dict[str, list[Claim]]:
+    """Return the claims on larger teams as judged by runs with a change.
+
+    They are those in the garden with `RADIAL` and an unlimited radio. With the paper's planner
+    alone no robot knows its map complete, so that the time is that until all are home. Without
+    support the distance should not grow, if support is the reason.
+    """
+    alone, unsupported = (_with(cells, change) for change in (PAPERS_PLANNER_ALONE, NONE_SUPPORTED))
+    judged = {
+        PAPERS_PLANNER_ALONE: (
+            time_falls(alone, TIME),
+            time_does_not_always_fall(alone, TIME),
+            distance_grows(alone, UNLIMITED),
+        ),
+        NONE_SUPPORTED: (distance_grows(unsupported, UNLIMITED),),
+    }
+    return {change: [one.claim for one in of] for change, of in judged.items()}
+
+
+def _with(cells: Cells, change: str) -> Cells:
+    label = with_options(StrategyChoice(name=RADIAL), change, {}).label
+    return cells.where(lambda at: at.strategy == label)
+
+
 _LARGE: Teams = (4, 8, 16)
+_TEAMS: Teams = (2, *_LARGE)
 
 ABLATIONS = Ablations(
     repetitions=10,
     run_s=3.0,
     quick_repetitions=6,
+    beside=beside,
     changes=(
         _ablation(DIFFERENCES, PAPERS_PLANNER_ALONE, PAPERS_PLANNER, robots=(1, 8)),
         _ablation(DIFFERENCES, PLANNER_TELLS, {**PAPERS_PLANNER, "no_place_after": 3}),
@@ -119,17 +139,24 @@ ABLATIONS = Ablations(
         _ablation(DIFFERENCES, NO_TAKE_OVER, NO_SUPPORT, radio=LIMITED),
         _ablation(DIFFERENCES, IN_CONTACT, {"support_in_contact": True}, radio=LIMITED),
         _ablation(
-            DISTANCE,
+            TOTAL_DISTANCE,
             NO_TAKE_OVER,
             NO_SUPPORT,
             robots=_LARGE,
             starts="scattered",
             radio=LIMITED,
         ),
-        _ablation(DISTANCE, NONE_SUPPORTED, NO_SUPPORT, robots=_LARGE, starts="scattered"),
-        _ablation(CLUSTERED, PAPERS_PLANNER_ALONE, PAPERS_PLANNER, robots=_LARGE),
-        _ablation(CLUSTERED, NONE_SUPPORTED, NO_SUPPORT, robots=_LARGE),
-        _ablation(CLUSTERED, OPEN_ENTRY, ENTRY, robots=_LARGE),
+        _ablation(TOTAL_DISTANCE, NONE_SUPPORTED, NO_SUPPORT, robots=_LARGE, starts="scattered"),
+        _ablation(LARGER_TEAMS, PAPERS_PLANNER_ALONE, PAPERS_PLANNER, robots=_TEAMS),
+        _ablation(
+            LARGER_TEAMS,
+            PAPERS_PLANNER_ALONE,
+            PAPERS_PLANNER,
+            robots=_TEAMS,
+            starts="scattered",
+        ),
+        _ablation(LARGER_TEAMS, NONE_SUPPORTED, NO_SUPPORT, robots=_LARGE),
+        _ablation(LARGER_TEAMS, OPEN_ENTRY, ENTRY, robots=_LARGE),
     ),
 )
 """The ablations of the page."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from multisrt.experiments.crossing import conditions
 from multisrt.experiments.results import Results
@@ -13,6 +13,9 @@ from multisrt.reporting.claims import Claim, PrintedTable
 from multisrt.reporting.study import Study
 from multisrt.reporting.tables import gap_table
 from multisrt.reporting.words import HOW_TO_REFER
+
+Beside = Mapping[str, Sequence[tuple[str, Claim]]]
+"""By the text of a claim the changes, each with the claim as judged by its runs."""
 
 MAX_FAILURES = 50
 """Upper bound of the failed runs that are listed."""
@@ -50,8 +53,10 @@ def summary(
         The Markdown document.
     """
     made = None
+    beside: Beside = {}
     if preset.ablations is not None and ablations is not None:
         made = preset.ablations.made_in(ablations.experiment)
+        beside = made.verdicts_beside(ablations)
     sections = [
         f"# {preset.about}",
         f"Made with `{command}`. The paper: {preset.paper}.",
@@ -59,9 +64,9 @@ def summary(
         "## Claims",
         markdown_table(
             ("claim", "verdict", "smallest effect"),
-            [(claim.text, claim.verdict, claim.would_show) for claim in claims],
+            [(claim.text, _verdicts(claim, beside), claim.would_show) for claim in claims],
         ),
-        *(_claim(claim, made) for claim in claims),
+        *(_claim(claim, made, beside) for claim in claims),
         "## Figures beside the paper's",
         *(_printed(table) for table in tables if table.source),
         "## Figures behind the claims",
@@ -109,7 +114,7 @@ def _ablations(preset: Preset, results: Results | None) -> list[str]:
     return [
         "## What changes do",
         "Runs apart from those of the claims, in few conditions: they show what a difference from "
-        "the paper does, or where a claim that does not hold fails, and decide nothing. "
+        "the paper does, or where a claim that does not hold fails, and decide no claim. "
         f"{len(results)} of {results.planned} runs, {results.experiment.repetitions} repetitions; "
         f"computing time {seconds / 3600.0:.2f} h of one core.",
         *(_printed(table) for table in preset.ablations.tables(results)),
@@ -126,8 +131,17 @@ def _gaps(results: Results) -> str:
     return "\n\n".join((markdown_table(table.columns, rows), _bullets(table.notes)))
 
 
-def _claim(claim: Claim, ablations: Ablations | None) -> str:
+def _verdicts(claim: Claim, beside: Beside) -> str:
+    """Return the verdict, and in brackets those by runs with a change."""
+    others = "; ".join(f"{by}: {other.verdict}" for by, other in beside.get(claim.text, ()))
+    return f"{claim.verdict} ({others})" if others else claim.verdict
+
+
+def _claim(claim: Claim, ablations: Ablations | None, beside: Beside) -> str:
     grounds = [*claim.grounds]
+    for change, other in beside.get(claim.text, ()):
+        verdict = f"by the ablation “{change}”, over all runs, successful or not: {other.verdict}"
+        grounds.append("\n  - ".join((verdict, *other.grounds)))
     if claim.verdict == "does not hold" and ablations is not None:
         grounds.append(_why(ablations.asking_why(claim.text)))
     return "\n\n".join(

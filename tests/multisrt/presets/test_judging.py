@@ -7,7 +7,7 @@ from multisrt.experiments.results import Results
 from multisrt.presets.cells import Cells, Comparison, Family
 from multisrt.presets.findings import Saying, weigh, weigh_family
 from multisrt.presets.judging import could_be_significant, judge, verdict
-from multisrt.presets.multi_srt_ablations import KNOWN, TIME
+from multisrt.presets.multi_srt_claims import KNOWN, TIME
 from tests.multisrt.presets.constructed import QUICK_SRT, noise_of, results_of
 
 SAYINGS: dict[str, Saying] = {"f": "for", "a": "against", "n": "nothing"}

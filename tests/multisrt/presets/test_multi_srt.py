@@ -1,8 +1,17 @@
 import msgspec
 
 from multisrt.experiments.crossing import Condition
+from multisrt.experiments.results import Results
 from multisrt.presets import multi_srt
-from multisrt.presets.multi_srt_ablations import TIMES
+from multisrt.presets.multi_srt_ablations import ABLATIONS, NONE_SUPPORTED, PAPERS_PLANNER_ALONE
+from multisrt.presets.multi_srt_claims import (
+    DISTANCE_GROWS,
+    NOT_IN_EVERY_STEP,
+    TIME,
+    TIME_FALLS,
+    TIMES,
+)
+from multisrt.presets.summary import summary
 from tests.multisrt.presets.constructed import (
     QUICK_SRT,
     claim_on,
@@ -29,8 +38,11 @@ def test_claims_of_multi_srt_that_hold():
     # 2 worlds, 2 strategies, 2 radios; from 1 to 2 and from 2 to 4 robots.
     for claim in found[:2]:
         assert "in 16 of 16 comparisons, significantly by itself in 16" in claim.grounds[1]
+    # 2 worlds, 2 strategies, 2 starts; from 1 to 2 and from 2 to 4 robots.
+    for claim in found[4:6]:
+        assert "in 16 of 16 comparisons, significantly by itself in 16" in claim.grounds[1]
     # 2 worlds; alone, and 2 sizes, 2 starts, 2 radios.
-    for claim in found[5:8]:
+    for claim in found[6:9]:
         assert "in 18 of 18 comparisons, significantly by itself in 18" in claim.grounds[1]
 
 
@@ -55,9 +67,81 @@ def test_claims_of_multi_srt_that_do_not_hold():
     assert scattered.verdict == "does not hold"
     assert any("garden, srt-star, 15 m radio, 2 to 4 robots" in line for line in scattered.grounds)
     assert claim_on(found, "clustered", "until all are home").verdict == "does not hold"
-    assert claim_on(found, "distance grows").verdict == "does not hold"
+    for text in DISTANCE_GROWS.values():
+        assert claim_on(found, text).verdict == "does not hold"
     assert claim_on(found, "shorter total distance").verdict == "does not hold"
-    assert claim_on(found, "completed").verdict == "holds"
+
+
+def test_the_distance_is_judged_by_radio():
+    def values(at: Condition, repetition: int) -> dict[str, object]:
+        grows = at.radio == "unlimited"
+        return srt(distance=lambda at: 500.0 + (50.0 if grows else -50.0) * at.robots)(
+            at, repetition
+        ) | ({"total_distance_m": 500.0 + repetition} if at.robots == 1 else {})
+
+    found = multi_srt.claims(results_of(QUICK_SRT, values))
+    unlimited, limited = (claim_on(found, text) for text in DISTANCE_GROWS.values())
+    assert (unlimited.verdict, limited.verdict) == ("holds", "does not hold")
+    lines = [line for line in limited.grounds if "robots: median" in line]
+    assert lines
+    assert all("15 m radio" in line for line in lines)
+    assert "only used when an unlimited communication range is handled" in unlimited.source
+
+
+def ablated(coverage: float) -> Results:
+    """Return results of the ablations in which larger teams take longer by the paper's planner."""
+
+    def values(at: Condition, repetition: int) -> dict[str, object]:
+        if not at.strategy.endswith(PAPERS_PLANNER_ALONE):
+            return srt()(at, repetition)
+        return {
+            "makespan_s": 1000.0 + 100.0 * at.robots + repetition,
+            "total_distance_m": 1000.0 / at.robots + repetition,
+            "known_complete_s": None,
+            "coverage": coverage,
+        }
+
+    return results_of(ABLATIONS.experiment(multi_srt.experiment(False), quick=False), values)
+
+
+def test_claims_are_judged_by_the_papers_planner_as_well():
+    # Runs count that cover less than a success.
+    for coverage in (1.0, 0.8):
+        beside = ABLATIONS.verdicts_beside(ablated(coverage))
+        verdicts = {
+            text: [(change, claim.verdict) for change, claim in judged]
+            for text, judged in beside.items()
+        }
+        assert verdicts == {
+            TIME_FALLS[TIME]: [(PAPERS_PLANNER_ALONE, "does not hold")],
+            NOT_IN_EVERY_STEP[TIME]: [(PAPERS_PLANNER_ALONE, "holds")],
+            DISTANCE_GROWS["unlimited"]: [
+                (PAPERS_PLANNER_ALONE, "does not hold"),
+                (NONE_SUPPORTED, "holds"),
+            ],
+        }
+        ((_, clustered),) = beside[NOT_IN_EVERY_STEP[TIME]]
+        # From 1 to 2, 4, 8 and 16 robots.
+        assert "in 4 of 4 comparisons, significantly by itself in 4" in clustered.grounds[1]
+
+
+def test_verdicts_by_the_papers_planner_are_beside_those_of_the_experiment():
+    results = results_of(QUICK_SRT, srt())
+    claims = multi_srt.claims(results)
+    text = summary(
+        multi_srt.MULTI_SRT, results, "it", claims=claims, tables=[], ablations=ablated(0.8)
+    )
+    claim = claim_on(claims, NOT_IN_EVERY_STEP[TIME])
+    assert claim.verdict == "does not hold"
+    row = (
+        f"| {claim.text} | does not hold (the paper's planner alone: holds) | {claim.would_show} |"
+    )
+    assert row in text
+    section = text.split(f"### {claim.text}")[1].split("\n### ")[0]
+    assert "- by the ablation “the paper's planner alone”, over all runs" in section
+    assert (
+        "\n  - garden, srt-radial, the paper's planner alone, unlimited radio, 8 to 16" in section
+    )
 
 
 def test_one_collision_refutes_that_there_are_none():
@@ -80,7 +164,7 @@ def test_claims_of_multi_srt_that_may_be_chance():
             },
         )
     )
-    assert [claim.verdict for claim in found[:8]] == ["not significant"] * 8
+    assert [claim.verdict for claim in found[:9]] == ["not significant"] * 9
 
 
 def test_claims_of_multi_srt_without_runs_enough():
@@ -108,17 +192,6 @@ def test_both_times_are_judged():
         title.endswith(f"{time.heading}, medians")
         for title, time in zip(titles, TIMES, strict=True)
     ] == [True, True]
-
-
-def test_a_run_that_was_given_up_is_in_the_grounds():
-    def values(at: Condition, repetition: int) -> dict[str, object] | None:
-        lost = repetition == 1 and at.robots == 4 and at.strategy == "srt-star"
-        return None if lost else srt()(at, repetition)
-
-    claim = claim_on(multi_srt.claims(results_of(QUICK_SRT, values)), "completed")
-    assert claim.verdict == "does not hold"
-    assert "352 of 360 runs are complete" in claim.grounds[0]
-    assert "repetition 1: over time: beyond 900 s" in claim.grounds[1]
 
 
 def test_table_of_multi_srt_by_team_size():

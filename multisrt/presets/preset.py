@@ -90,7 +90,7 @@ class Preset:
     def with_map(self, path: Path, resolution_m: float | None = None) -> Preset:
         """Return the preset with a map of one's own instead of its worlds.
 
-        It keeps the ablations if they are made in whatever worlds the experiment has.
+        It keeps the ablations in worlds that the map does not replace.
 
         Parameters
         ----------
@@ -121,14 +121,19 @@ class Preset:
         # A name without a folder could be that of an environment of the catalogue.
         name = str(path) if path.parent != Path() else f"./{path}"
         world = EnvironmentChoice(name=name, label=path.stem, resolution_m=resolution_m)
-        told = Deviation(f"{WORLD} the map {path.name}, not that of the paper.")
+        own, given = self.experiment(False), on_map(self.experiment(False), world)
+        replaced = ", ".join(
+            one if isinstance(one, str) else one.label or one.name
+            for one in own.environments
+            if one not in given.environments
+        )
+        told = Deviation(f"{WORLD} the map {path.name}, in the place of {replaced}.")
         others = (one for one in self.deviations if not one.text.startswith(WORLD))
-        ablations = self.ablations
         return replace(
             self,
             experiment=lambda quick: on_map(self.experiment(quick), world),
             deviations=(told, *others),
-            ablations=ablations if ablations is not None and ablations.names_no_world else None,
+            ablations=None if self.ablations is None else self.ablations.in_worlds_of(given),
         )
 
 

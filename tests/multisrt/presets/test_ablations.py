@@ -196,6 +196,9 @@ OPTIONS_CHANGED = {
         "swaps by sums": {"exchange_when"},
         "no swaps": {"exchange"},
         "fine cells": {"cell_m"},
+        "starts drawn uniformly": {"starts"},
+        "no random goals": {"random_goal_after"},
+        "waits without end": {"patience"},
     },
     "minpos": {
         "a scan and a choice at every step": {"sense_period_s", "replan_period_s"},

@@ -228,9 +228,7 @@ def test_random_robots_start_uniformly_where_they_have_room():
     assert starts(hall, [first, RobotSpec()], starts="scattered", seed=1)[1].x > 8.0
 
 
-@pytest.mark.parametrize(
-    ("how", "least"), [("scattered", 10), ("clustered", 14), ("random", 10)]
-)
+@pytest.mark.parametrize(("how", "least"), [("scattered", 10), ("clustered", 14), ("random", 10)])
 def test_a_team_that_does_not_fit_is_refused(how, least):
     # Lattices of 0.75 m hold about 20 robots here.
     tight = Environment("cell", shapely.box(0, 0, 3.4, 3.4))

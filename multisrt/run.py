@@ -6,7 +6,7 @@ import inspect
 import operator
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Literal, ParamSpec, TypedDict, TypeVar, Unpack
+from typing import Any, ParamSpec, TypedDict, TypeVar, Unpack, get_args
 
 from multisrt.analysis.progress import Progress
 from multisrt.environments.environment import Environment
@@ -22,6 +22,7 @@ from multisrt.spec import (
     DriveSpec,
     EnvironmentSpec,
     Fault,
+    PlacedHow,
     RadioSpec,
     RangeFinderSpec,
     RobotSpec,
@@ -34,7 +35,7 @@ from multisrt.spec.keywords import checked, refuse_unknown, require_use, start_o
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
 
-Starts = Literal["scattered", "clustered"] | Sequence[Sequence[float]]
+Starts = PlacedHow | Sequence[Sequence[float]]
 """Start configurations of a team: how to draw them, or one for each robot."""
 
 
@@ -120,9 +121,9 @@ def explore(
         `starts` has configurations.
     start : (x, y) or (x, y, heading), optional
         Start configuration (m, rad) of a single robot.
-    starts : {"scattered", "clustered"} or sequence of configurations, optional
-        How the start configurations of a team are drawn, far apart or close together; or one
-        configuration (m, rad) for each robot.
+    starts : {"scattered", "clustered", "random"} or sequence of configurations, optional
+        How the start configurations of a team are drawn, far apart, close together, or each
+        uniformly where the body has room; or one configuration (m, rad) for each robot.
     footprint : str, optional
         Body of every robot, in the notation of `Footprint.parse`.
     range_m : float, optional
@@ -253,10 +254,10 @@ def run_fields(given: Mapping[str, Any]) -> dict[str, Any]:
         fields["stop"] = StopRule(max_time_s=given["max_time_s"])
     starts = given.get("starts")
     if isinstance(starts, str):
-        if starts not in ("scattered", "clustered"):
+        if starts not in get_args(PlacedHow):
             raise InvalidInputError(
-                f'starts is "scattered", "clustered" or a sequence of configurations, not '
-                f"{starts!r}"
+                f'starts is "scattered", "clustered", "random" or a sequence of configurations, '
+                f"not {starts!r}"
             )
         fields["starts"] = starts
     robots = given.get("robots")

@@ -138,7 +138,7 @@ Exit code:
 @click.option("--robots", type=int, metavar="N", help="Number of robots.  [default: 1]")
 @click.option(
     "--starts",
-    type=click.Choice(["scattered", "clustered"]),
+    type=click.Choice(["scattered", "clustered", "random"]),
     help="How to draw the starts that --start does not give.  [default: scattered]",
 )
 @click.option(

@@ -94,7 +94,7 @@ def reproduce(
       multisrt reproduce minpos --cluster tcp://node1:8786
       multisrt reproduce alvarez --quick --reference informed
       multisrt reproduce sbx-r --map floor.yaml --seeds 10
-      multisrt reproduce minpos --map hospital_section.png --resolution 0.1
+      multisrt reproduce minpos --map hospital_section.png --resolution METRES_PER_PIXEL
 
     \b
     Repetitions:   full   --quick   in the paper
@@ -104,8 +104,8 @@ def reproduce(
       alvarez        20         7             40
 
     Ablations change one thing in a few conditions, to show what a difference from the paper does
-    or why a claim does not hold. They are run after the experiment; with --map, only those of
-    sbx-r, which suit any world.
+    or why a claim does not hold. They are run after the experiment; with --map, only those in
+    worlds that the map does not replace.
 
     \b
     Files written to DIR:
@@ -180,14 +180,17 @@ def _make_both(
     *,
     quick: bool,
 ) -> tuple[Results, Results | None]:
-    """Execute the runs of an experiment, and those of its ablations in a store beside it."""
+    """Execute the runs of an experiment, and those of its ablations in a store beside it.
+
+    Runs without a change that the experiment has are not made again.
+    """
     beside = path.with_name(f"{path.stem}{ABLATIONS}{path.suffix}")
     ablation_s = None if preset.ablations is None else preset.ablations.run_s
 
     def afterwards() -> tuple[int, float]:
         if ablations is None or ablation_s is None:
             return 0, 0.0
-        return missing_runs(beside, ablations), ablation_s
+        return missing_runs(beside, ablations, experiment), ablation_s
 
     results = make_runs(
         path,
@@ -201,7 +204,7 @@ def _make_both(
     return results, make_runs(
         beside,
         ablations,
-        running=replace(running, reference=None),
+        running=replace(running, reference=None, made=path),
         run_s=ablation_s,
         what="runs of ablations",
     )

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Running:
-    """How the runs of an experiment are executed, as given on the command line.
+    """How the runs of an experiment are executed, mostly as given on the command line.
 
     Attributes
     ----------
@@ -35,6 +35,9 @@ class Running:
         Whether only errors are printed.
     reference : str or None
         What times are also compared with; None: as the experiment says.
+    made : Path or None
+        The store of another experiment, from which the results of runs are taken that are runs
+        of both.
     """
 
     workers: int | None
@@ -43,6 +46,7 @@ class Running:
     quiet: bool
     reference: str | None = None
     remake: bool = False
+    made: Path | None = None
 
 
 def running_options(command: Callable[..., None]) -> Callable[..., None]:
@@ -164,6 +168,9 @@ def make_runs(
         with Store.create_or_open(path, spec, folder, remake=running.remake) as opened:
             if running.retry:
                 opened.forget()
+            if running.made is not None:
+                with Store.open(running.made) as other:
+                    opened.take_from(other)
             missing = opened.planned - opened.done
             if run_s is not None and missing and not running.quiet:
                 then = (0, 0.0) if afterwards is None else afterwards()
@@ -198,8 +205,10 @@ def make_runs(
         raise
 
 
-def missing_runs(path: Path, spec: ExperimentSpec) -> int:
+def missing_runs(path: Path, spec: ExperimentSpec, besides: ExperimentSpec) -> int:
     """Return the number of runs of an experiment that have no result in a store.
+
+    Runs of another experiment are not counted, from which they will be taken.
 
     Parameters
     ----------
@@ -207,6 +216,8 @@ def missing_runs(path: Path, spec: ExperimentSpec) -> int:
         The store, which need not exist.
     spec : ExperimentSpec
         The experiment.
+    besides : ExperimentSpec
+        The other experiment.
 
     Raises
     ------
@@ -216,10 +227,12 @@ def missing_runs(path: Path, spec: ExperimentSpec) -> int:
     from multisrt.experiments.crossing import conditions
     from multisrt.experiments.store import Store
 
+    asked, common = conditions(spec), range(min(spec.repetitions, besides.repetitions))
+    others = {(at, k) for at in conditions(besides) for k in common}
     if not path.exists():
-        return len(conditions(spec)) * spec.repetitions
+        return len({(at, k) for at in asked for k in range(spec.repetitions)} - others)
     with Store.create_or_open(path, spec) as opened:
-        return opened.planned - opened.done
+        return len({(run.condition, run.repetition) for run in opened.missing()} - others)
 
 
 def expected_text(

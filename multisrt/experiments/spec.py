@@ -17,6 +17,7 @@ from multisrt.geometry.errors import InvalidInputError
 from multisrt.spec import (
     DriveSpec,
     Fault,
+    PlacedHow,
     RadioSpec,
     RangeFinderSpec,
     RobotSpec,
@@ -142,11 +143,11 @@ class StartsChoice(_Part, frozen=True, kw_only=True, omit_defaults=True):
 
     Attributes
     ----------
-    how : {"scattered", "clustered"}
-        Whether starts are drawn far apart or close together.
+    how : {"scattered", "clustered", "random"}
+        Whether starts are drawn far apart, close together, or uniformly where bodies have room.
     first : {"any", "drawn"}
         "drawn": the first robot's start and heading are drawn uniformly in each repetition, and
-        the others placed around it or far from it. "any": as in a single run, where a robot alone
+        the others placed as `how` says. "any": as in a single run, where a robot alone
         starts where the environment suggests.
     places : tuple of (x, y) or (x, y, heading)
         Start configurations (m, rad) instead, at least as many as the team has robots.
@@ -154,7 +155,7 @@ class StartsChoice(_Part, frozen=True, kw_only=True, omit_defaults=True):
         Label in tables; None: made from the fields above.
     """
 
-    how: Literal["scattered", "clustered"] = "scattered"
+    how: PlacedHow = "scattered"
     first: Literal["any", "drawn"] = "any"
     places: tuple[tuple[float, ...], ...] = ()
     label: Label | None = None
@@ -261,7 +262,7 @@ class Only(_Part, frozen=True, kw_only=True, omit_defaults=True):
 Environments = Annotated[tuple[str | EnvironmentChoice, ...], Meta(min_length=1)]
 Strategies = Annotated[tuple[str | StrategyChoice, ...], Meta(min_length=1)]
 Teams = Annotated[tuple[Annotated[int, Meta(ge=1, le=1000)] | TeamChoice, ...], Meta(min_length=1)]
-Starts = Annotated[tuple[Literal["scattered", "clustered"] | StartsChoice, ...], Meta(min_length=1)]
+Starts = Annotated[tuple[PlacedHow | StartsChoice, ...], Meta(min_length=1)]
 Radios = Annotated[tuple[Literal["unlimited"] | RadioChoice, ...], Meta(min_length=1)]
 Bodies = Annotated[tuple[str | BodyChoice, ...], Meta(min_length=1)]
 Faults = Annotated[tuple[Literal["none"] | FaultsChoice, ...], Meta(min_length=1)]
@@ -301,7 +302,7 @@ class ExperimentSpec(_Part, frozen=True, kw_only=True, omit_defaults=True):
     robots : tuple of int or TeamChoice
         Team sizes, or tables of teams whose robots differ.
     starts : tuple of str or StartsChoice
-        "scattered", "clustered", or tables.
+        "scattered", "clustered", "random", or tables.
     radios : tuple of str or RadioChoice
         "unlimited", or tables.
     bodies : tuple of str or BodyChoice

@@ -25,7 +25,7 @@ from multisrt.experiments.crossing import PlannedRun, runs
 from multisrt.experiments.lock import WriteLock
 from multisrt.experiments.modules import own_strategies
 from multisrt.experiments.provenance import Provenance, changed_strategies
-from multisrt.experiments.results import Result, Results, Status, referred
+from multisrt.experiments.results import ENDED, Result, Results, Status, referred
 from multisrt.experiments.spec import ExperimentSpec
 from multisrt.experiments.store_file import (
     begin,
@@ -310,6 +310,52 @@ class Store:
                 "ON CONFLICT (key) DO NOTHING",
                 row,
             )
+
+    def take_from(self, other: Store) -> int:
+        """Store the results of runs that another experiment has as well.
+
+        Parameters
+        ----------
+        other : Store
+            The results of the other experiment, which has the same `horizon_s`. Runs that failed
+            without a result are not taken.
+
+        Returns
+        -------
+        int
+            Number of results that were missing here.
+
+        Raises
+        ------
+        InvalidInputError
+            If another program made them, or they cannot be read or written.
+
+        Examples
+        --------
+        >>> from multisrt.experiments.mission import make_run
+        >>> spec = ExperimentSpec(name="x", environments=("open",), strategies=("minpos",))
+        >>> more = msgspec.structs.replace(spec, name="y", robots=(1, 2))
+        >>> with Store.create_or_open("own.sqlite", spec) as store:
+        ...     store.add(make_run(store.missing()[0], spec.limits))
+        ...     with Store.create_or_open("other.sqlite", more) as another:
+        ...         another.take_from(store), another.take_from(store)
+        (1, 0)
+        """
+        require_same_program(other.path, other.provenance, self.provenance)
+        missing = {run.key: run for run in self.missing()}
+        taken = [one for one in other._read() if one.key in missing and one.status in ENDED]
+        for result in taken:
+            run = missing[result.key]
+            shift = run.repetition - result.repetition
+            self.add(
+                msgspec.structs.replace(
+                    result,
+                    condition=run.condition,
+                    repetition=run.repetition,
+                    same_as=None if result.same_as is None else result.same_as + shift,
+                )
+            )
+        return len(taken)
 
     def forget(self, statuses: Sequence[Status] = UNFINISHED) -> int:
         """Delete the results of some statuses, and plans that failed: they are missing again.

@@ -1,8 +1,9 @@
 """Ablations: an experiment with one thing changed, beside the same runs without the change.
 
-They show what a difference from a paper's method does, or why a claim does not hold. They are run
-apart from the experiment that the claims are judged by, in few conditions and repetitions. Where a
-difference may decide a verdict, that of the runs with a change is given beside it.
+They show what a difference from a paper's method does, or why a claim does not hold. They are made
+in few conditions and repetitions. Runs without the change are those of the experiment that the
+claims are judged by, where it has them. Where a difference may decide a verdict, that of the runs
+with a change is given beside it.
 """
 
 from __future__ import annotations
@@ -153,12 +154,24 @@ class Ablations:
     beside: Beside | None = None
     run_s: float | None = None
 
-    @property
-    def names_no_world(self) -> bool:
-        """Whether all ablations are made in the worlds of the experiment, whichever they are."""
-        return all(
-            block.environments is None for one in self.changes for block in (one.base, one.changed)
+    def in_worlds_of(self, experiment: ExperimentSpec) -> Ablations | None:
+        """Return the ablations that are made in worlds of an experiment; None if none is.
+
+        Parameters
+        ----------
+        experiment : ExperimentSpec
+            The experiment.
+        """
+        changes = tuple(
+            one
+            for one in self.changes
+            if all(
+                world in experiment.environments
+                for block in (one.base, one.changed)
+                for world in block.environments or ()
+            )
         )
+        return replace(self, changes=changes) if changes else None
 
     def experiment(self, whole: ExperimentSpec, *, quick: bool) -> ExperimentSpec:
         """Return the experiment that has the runs of all ablations.

@@ -1,4 +1,4 @@
-"""Ablations of Álvarez's rules: what the exponents depend on."""
+"""Ablations of Álvarez's rules: what the exponents depend on, and what success does."""
 
 from __future__ import annotations
 
@@ -7,12 +7,14 @@ from collections.abc import Sequence
 import msgspec
 
 from multisrt.experiments.crossing import Condition
-from multisrt.experiments.spec import Block, StrategyChoice
+from multisrt.experiments.measures import measure_named
+from multisrt.experiments.spec import Block, StartsChoice, StrategyChoice
 from multisrt.presets.ablations import Ablation, Ablations, Topic, with_options
 from multisrt.presets.alvarez_experiment import (
     CELL_M,
     DISTANCE,
     DISTANCE_FALLS,
+    HOME,
     OPTIONS,
     STRATEGY,
     SUCCEEDS,
@@ -40,27 +42,53 @@ RULES = Topic(
     claims=(SUCCEEDS, TIME_FALLS.claim, DISTANCE_FALLS.claim, TAKES_LESS, TRAVELS_LESS),
 )
 
+STARTS = Topic(
+    title=f"What starts change: {SCENARIO.label}",
+    measures=(TIME, TO_95, DISTANCE),
+    claims=(TIME_FALLS.claim, DISTANCE_FALLS.claim),
+)
+
+HARDEST = tuple(scenario for scenario in SCENARIOS if scenario.number in (1, 18))
+"""The least area for each robot, and the densest obstacles with the lowest printed success."""
+
+RESCUES = Topic(
+    title=f"What rescues bring: {', '.join(one.label for one in HARDEST)}, {TEAMS[-1]} robots",
+    measures=(TIME, HOME, measure_named("protective_stops")),
+    claims=(SUCCEEDS,),
+)
+
 SWAPS_BY_SUMS, NO_SWAPS, FINE_CELLS = "swaps by sums", "no swaps", "fine cells"
+RANDOM_STARTS = "starts drawn uniformly"
+NO_RANDOM_GOALS, WAITS_WITHOUT_END = "no random goals", "waits without end"
+
+NEVER = 1_000_000
+"""More often than anything happens in a run."""
 
 _CHOICE = StrategyChoice(name=STRATEGY, options=OPTIONS)
 _BASE = Block(environments=(map_of(SCENARIO),), strategies=(_CHOICE,), robots=TEAMS)
+_HARD = Block(environments=tuple(map(map_of, HARDEST)), strategies=(_CHOICE,), robots=(TEAMS[-1],))
 
 
-def _ablation(change: str, **options: Scalar) -> Ablation:
+def _ablation(
+    change: str, topic: Topic = RULES, base: Block = _BASE, **options: Scalar
+) -> Ablation:
     changed = with_options(_CHOICE, change, options)
     return Ablation(
-        topic=RULES,
+        topic=topic,
         change=change,
-        base=_BASE,
-        changed=msgspec.structs.replace(_BASE, strategies=(changed,)),
+        base=base,
+        changed=msgspec.structs.replace(base, strategies=(changed,)),
+        is_quick=topic != RESCUES,
     )
 
 
 def exponents(cells: Cells, changes: Sequence[Ablation]) -> list[PrintedTable]:
-    """Return the exponents of the laws without and with each change."""
+    """Return the exponents of the laws without and with each change on the one map."""
     base: list[Condition] = []
     rows = []
     for one in changes:
+        if one.topic == RESCUES:
+            continue
         pairs = one.pairs(cells.experiment)
         base = [before for before, _ in pairs]
         rows.append(_row(one.change, cells, [after for _, after in pairs]))
@@ -91,6 +119,16 @@ ABLATIONS = Ablations(
         _ablation(SWAPS_BY_SUMS, exchange_when="shorter"),
         _ablation(NO_SWAPS, exchange=False),
         _ablation(FINE_CELLS, cell_m=0.5 * CELL_M),
+        Ablation(
+            topic=STARTS,
+            change=RANDOM_STARTS,
+            base=_BASE,
+            changed=msgspec.structs.replace(
+                _BASE, starts=(StartsChoice(how="random", first="drawn"),)
+            ),
+        ),
+        _ablation(NO_RANDOM_GOALS, RESCUES, _HARD, random_goal_after=NEVER),
+        _ablation(WAITS_WITHOUT_END, RESCUES, _HARD, patience=NEVER),
     ),
     repetitions=15,
     run_s=3.0,

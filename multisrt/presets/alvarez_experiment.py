@@ -32,7 +32,7 @@ OPTIONS: dict[str, Scalar] = {
 """Options of the strategy: the thesis's cells and swaps; a scan for every 0.25 m."""
 
 MAX_TIME_S = 86_400.0
-"""Limit of a run in simulated time: twice what one robot needs on the largest map."""
+"""Limit of a run in simulated time: 4.5 times what one robot needs on the largest map."""
 
 COVERED = 0.95
 """Minimum share of the explorable area that a successful run has covered."""

@@ -9,7 +9,7 @@ import numpy as np
 from multisrt.experiments.results import Results
 from multisrt.presets.cells import Comparison, Family
 from multisrt.presets.judging import Judged, judge
-from multisrt.presets.minpos_ablations import ABLATIONS, APART, TARGETS, WIDE
+from multisrt.presets.minpos_ablations import ABLATIONS
 from multisrt.presets.minpos_claims import (
     BEFORE_GREEDY,
     FASTER,
@@ -21,84 +21,37 @@ from multisrt.presets.minpos_claims import (
     SOURCE,
     UP_TO,
 )
+from multisrt.presets.minpos_deviations import DEVIATIONS
 from multisrt.presets.minpos_experiment import (
-    BODY,
     CELL_M,
     CLOSEST,
     GREEDY,
     HOSPITAL,
     MAZE,
-    MAZE_CELLS,
-    MAZE_M,
     MINPOS,
-    RANGE_M,
     RULES,
-    SCAN_STEPS,
-    SPEED_M_S,
     STEP_S,
     WORLDS,
     experiment,
     for_hospital,
 )
 from multisrt.presets.minpos_gains import (
-    HOME,
     MIN_PAIRS,
     TIME,
+    TO_99,
     Ratios,
     Times,
     complete,
     gain,
     gain_text,
+    largest,
     reaches,
+    rule,
 )
-from multisrt.presets.preset import WORLD, Deviation, Preset
+from multisrt.presets.preset import Preset
 from multisrt.reporting.claims import Claim, PrintedTable, Verdict
 from multisrt.statistics.intervals import LEVEL, Interval
 from multisrt.statistics.ratios import POWER, smallest_reduction
-
-DEVIATIONS = (
-    Deviation(
-        f"Mazes: perfect mazes of {MAZE_M:g} x {MAZE_M:g} m with {MAZE_CELLS} x {MAZE_CELLS} "
-        "cells, one for each repetition. The paper's are not available."
-    ),
-    Deviation(
-        f"{WORLD} a generated hospital of 143.6 x 60 m. That of the paper is one of Player/Stage, "
-        "140 x 60 m; `--map` takes that file, or another one, in its place."
-    ),
-    Deviation(
-        f"Robots: discs of 0.4 m ({BODY}) that drive in any direction, on cells of {CELL_M:g} m; "
-        "in the paper they are as wide as a cell, which would close some doors here. "
-        f"{SPEED_M_S:g} m/s, so that a step from cell to cell takes {STEP_S:g} s; range finders "
-        f"{RANGE_M:g} m, exact; a radio of unlimited range. The paper gives no range."
-    ),
-    Deviation(
-        "Robots obstruct each other where two cannot pass: bodies have a size, and robots give "
-        "way. Doors and corridors have room for two. The paper does not say whether its simulated "
-        "robots obstruct each other.",
-        (WIDE,),
-    ),
-    Deviation(
-        "Starts: close together, as in the paper (section II), which does not say where. Here the "
-        "configuration of the first robot is drawn in each repetition and the others stand around "
-        "it. All strategies have the same starts and worlds.",
-        (APART,),
-    ),
-    Deviation(
-        "The paper gives neither team sizes nor the number of runs in its text, and times as "
-        "curves only: there are no printed figures for single team sizes."
-    ),
-    Deviation(
-        f"All strategies take a scan every fourth step ({SCAN_STEPS * STEP_S:g} s, "
-        f"{SCAN_STEPS * CELL_M:g} m), and choose again if it shows news. In the paper time is "
-        "discrete, and robots sense and choose at steps.",
-        (TARGETS,),
-    ),
-    Deviation(
-        "An exploration ends when one of the robots has a complete map, as in the paper (section "
-        "II). The claims are judged by the time until all are done as well, and both are shown."
-    ),
-)
-
 
 # Claims -------------------------------------------------------------------------------------
 
@@ -109,7 +62,7 @@ BothTimes = tuple[Times, Times]
 
 def both_times(results: Results) -> BothTimes:
     """Return both times of the results of an experiment."""
-    return Times(results, TIME), Times(results, HOME)
+    return Times(results, TIME), Times(results, TO_99)
 
 
 def claims(results: Results) -> list[Claim]:
@@ -130,6 +83,7 @@ def tables(results: Results) -> list[PrintedTable]:
     return [
         *(gains(times) for times in both),
         times_table(both[0]),
+        waits(both[0]),
         *(judged.table for judged in (*_faster(both), *_others(both))),
     ]
 
@@ -166,35 +120,53 @@ def _others(both: BothTimes) -> list[Judged]:
 def mean_gain(both: BothTimes, strategy: str) -> Claim:
     """Return the judged claim on the mean gain of a strategy on closest, by all cells together."""
     printed = MEAN_GAINS[strategy]
-    found, home = (times.family_gain(times.places, strategy, CLOSEST) for times in both)
-    means = gain(both[0].over_closest(strategy))
+    found, beside = (times.family_gain(times.places, strategy, CLOSEST) for times in both)
     return Claim(
         text=ON_AVERAGE[strategy],
         source="MinPos, section V A",
         verdict=reaches(found, printed),
-        grounds=(*_told(found, printed), *_mean_told(means), *_told_beside(home)),
-        would_show=_would_show(found),
+        grounds=(
+            *_told(found, printed),
+            *_means_told(both[0], strategy, CLOSEST),
+            *_told_beside(beside),
+        ),
+        would_show=_known_to(found) + _would_show(found),
     )
 
 
 def largest_gain(both: BothTimes, world: str) -> Claim:
     """Return the judged claim on the largest gain in a world.
 
-    The largest of several estimates is biased upwards, so the intervals of all of them hold
-    simultaneously (Bonferroni).
+    The intervals of all gains hold simultaneously (Bonferroni), and the largest gain lies between
+    the largest of their lower and of their upper bounds; see `largest`.
     """
     printed = LARGEST_GAINS[world]
     level = _at_once(2 * len(both[0].teams))
-    (best, found), (_, home) = (_best(times, world, level) for times in both)
-    grounds = _told(found, printed, level, "pairs of one cell")
-    if best:
-        grounds.append(f"the largest gain is that of {best}")
+    gains_here, beside = (_gains_in(times, world, level) for times in both)
+    if not gains_here:
+        return Claim(
+            text=UP_TO[world],
+            source="MinPos, section V A",
+            verdict="not tested",
+            grounds=(TOO_FEW,),
+        )
+    found = largest(gains_here)
+    verdict = reaches(found.gain, printed)
+    # The claim fails by the largest upper bound, and otherwise needs the largest lower one.
+    deciding = gains_here[found.high_at if verdict == "does not hold" else found.low_at]
     return Claim(
         text=UP_TO[world],
         source="MinPos, section V A",
-        verdict=reaches(found, printed),
-        grounds=(*grounds, *_told_beside(home)),
-        would_show=_would_show(found, level),
+        verdict=verdict,
+        grounds=(
+            _ours(found.gain, "the largest of simultaneous bounds by signed ranks", printed),
+            f"the largest estimate is that of {found.at}, the largest lower bound that of "
+            f"{found.low_at}, the largest upper bound that of {found.high_at}",
+            rule(printed),
+            _power_told(deciding, level),
+            *_told_beside(largest(beside).gain if beside else None),
+        ),
+        would_show=_known_to(found.gain) + _would_show(deciding, level),
     )
 
 
@@ -202,22 +174,22 @@ def _at_once(many: int) -> float:
     return 1.0 - (1.0 - LEVEL) / max(1, many)
 
 
-def _best(times: Times, world: str, level: float) -> tuple[str, Interval | None]:
-    """Return the strategy and team with the largest gain on closest, and that gain."""
+def _gains_in(times: Times, world: str, level: float) -> dict[str, Interval]:
+    """Return the gains on closest in a world, by strategy and team; none if one has no interval."""
     found = {
-        f"{strategy} with {robots} robots": one
+        f"{strategy} with {robots} robots": times.family_gain(
+            [(world, robots)], strategy, CLOSEST, level
+        )
         for robots in times.teams
         for strategy in (GREEDY, MINPOS)
-        if (one := times.family_gain([(world, robots)], strategy, CLOSEST, level))
     }
-    best = max(found, key=lambda at: found[at].value, default="")
-    return best, found.get(best)
+    known = {name: of for name, of in found.items() if of is not None}
+    return known if len(known) == len(found) else {}
 
 
 def before_greedy(both: BothTimes) -> Claim:
     """Return the judged claim that minpos is "slightly better" than greedy on average."""
-    found, home = (times.family_gain(times.places, MINPOS, GREEDY) for times in both)
-    means = gain([both[0].ratios(*at, MINPOS, GREEDY) for at in both[0].places])
+    found, beside = (times.family_gain(times.places, MINPOS, GREEDY) for times in both)
     verdict: Verdict = "not tested"
     if found is not None:
         verdict = "holds" if found.low > 0.0 else "not significant"
@@ -226,28 +198,28 @@ def before_greedy(both: BothTimes) -> Claim:
         text=BEFORE_GREEDY,
         source="MinPos, section V A",
         verdict=verdict,
-        grounds=(*_told(found, None), *_mean_told(means), *_told_beside(home)),
+        grounds=(
+            *_told(found, None),
+            *_means_told(both[0], MINPOS, GREEDY),
+            *_told_beside(beside),
+        ),
         would_show=_would_show(found),
     )
 
 
 def more_with_more_robots(both: BothTimes) -> Judged:
-    """Return the judged claim that the gain on closest grows with team size."""
-    teams = both[0].teams
-    few, many = (teams[0], teams[-1]) if len(teams) > 1 else (0, 0)
+    """Return the judged claim that the gain on closest grows with team size.
+
+    In each repetition it is the slope over all team sizes by which the ratio of times falls.
+    """
     judged, beside = (
         Family(
             comparisons=[
-                _ratios_compared(
-                    f"{world}, {strategy}",
-                    times.ratios(world, many, strategy, CLOSEST),
-                    times.ratios(world, few, strategy, CLOSEST),
-                )
+                _slopes_compared(times, world, strategy)
                 for world in WORLDS
                 for strategy in (GREEDY, MINPOS)
-                if many
             ],
-            quantity=RatioOfTimes(times.measure.title),
+            quantity=RatioOfTimes(f"{times.measure.title}, over that of closest: factor"),
         )
         for times in both
     )
@@ -256,11 +228,16 @@ def more_with_more_robots(both: BothTimes) -> Judged:
         SOURCE,
         judged,
         scope="mostly",
-        so="the gain is larger in the largest team than in the smallest",
-        otherwise="it is smaller",
-        sides=(f"{many} robots", f"{few} robots"),
+        so="the gain grows with the team",
+        otherwise="it shrinks",
+        sides=("with each doubling of the team", "no change"),
         beside=beside,
     )
+
+
+def _slopes_compared(times: Times, world: str, strategy: str) -> Comparison:
+    slopes = times.slopes(world, strategy, CLOSEST)
+    return _ratios_compared(f"{world}, {strategy}", slopes, dict.fromkeys(slopes, 0.0))
 
 
 def more_in_mazes(both: BothTimes) -> Judged:
@@ -279,7 +256,7 @@ def more_in_mazes(both: BothTimes) -> Judged:
                 )
                 for robots in times.teams
             ],
-            quantity=RatioOfTimes(times.measure.title),
+            quantity=RatioOfTimes(f"{times.measure.title}, over that of greedy"),
             paired=False,
         )
         for times in both
@@ -309,45 +286,51 @@ def _ratios_compared(where: str, lower: Ratios, higher: Ratios, paired: bool = T
 class RatioOfTimes:
     """The quantity of comparisons of gains: a ratio of two times."""
 
-    time: str
+    heading: str
     unit: str = ""
     digits: int = 2
 
-    @property
-    def heading(self) -> str:
-        """Title, without a unit."""
-        return f"{self.time}, over that of the rival"
+
+TOO_FEW = f"too few runs: every condition needs {MIN_PAIRS} pairs"
 
 
-def _told(
-    found: Interval | None,
-    printed: float | None,
-    level: float = LEVEL,
-    what: str = "all cells together",
-) -> list[str]:
+def _told(found: Interval | None, printed: float | None) -> list[str]:
     if found is None:
-        return [f"too few runs: every condition needs {MIN_PAIRS} pairs"]
+        return [TOO_FEW]
+    rules = [] if printed is None else [rule(printed)]
+    ours = _ours(found, "by signed ranks of all cells together", printed)
+    return [ours, *rules, _power_told(found, LEVEL)]
+
+
+def _ours(found: Interval, how: str, printed: float | None) -> str:
     papers = "" if printed is None else f"; the paper: {printed:g} %"
-    told = [f"ours: {_percent_text(found)}, by signed ranks of {what}{papers}"]
+    return f"ours: {_percent_text(found)}, {how}{papers}"
+
+
+def _power_told(found: Interval, level: float) -> str:
     share = _detectable(found, level)
-    if share < 1.0:
-        told.append(
-            f"of experiments with this spread, {100.0 * POWER:.0f} % would find a true gain of "
-            f"{100.0 * share:.1f} %"
-        )
-    else:
-        told.append("with this spread no gain, however large, would have been detected")
-    return told
+    if share >= 1.0:
+        return "with this spread no gain, however large, would have been detected"
+    return (
+        f"of experiments with this spread, {100.0 * POWER:.0f} % would find a true gain of "
+        f"{100.0 * share:.1f} %"
+    )
 
 
-def _mean_told(found: Interval | None) -> list[str]:
-    if found is None:
+def _means_told(times: Times, strategy: str, rival: str) -> list[str]:
+    geometric = gain(times.over(strategy, rival))
+    plain = times.gain_of_means(strategy, rival)
+    if geometric is None or plain is None:
         return []
-    return [f"by geometric means of ratios, without failed runs: {_percent_text(found)}"]
+    return [
+        f"by geometric means of ratios, without failed runs: {_percent_text(geometric)}",
+        f"by ratios of mean times, averaged over conditions, without failed runs: {plain:+.1f} %; "
+        "which mean the paper prints is open",
+    ]
 
 
 def _told_beside(found: Interval | None) -> list[str]:
-    return [] if found is None else [f"{HOME.heading}: {_percent_text(found)}"]
+    return [] if found is None else [f"{TO_99.heading}: {_percent_text(found)}"]
 
 
 def _percent_text(found: Interval) -> str:
@@ -358,6 +341,13 @@ def _detectable(found: Interval, level: float) -> float:
     # A gain of g percent is a ratio of 1 - g / 100 of the times.
     value, low, high = (1.0 - 0.01 * end for end in (found.value, found.high, found.low))
     return smallest_reduction(Interval(value, low, high), power=POWER, level=level)
+
+
+def _known_to(found: Interval | None) -> str:
+    if found is None:
+        return ""
+    half = 0.5 * (found.high - found.low)
+    return f"known to ±{half:.1f} points; " if np.isfinite(half) else "without bound; "
 
 
 def _would_show(found: Interval | None, level: float = LEVEL) -> str:
@@ -379,8 +369,11 @@ def gains(times: Times) -> PrintedTable:
         ratios = [times.ratios(world, robots, strategy, CLOSEST) for strategy in both]
         pairs = "/".join(str(len(complete(of))) for of in ratios)
         rows.append((world, str(robots), *(gain_text(gain([of])) for of in ratios), pairs))
-    means = [gain(times.over_closest(strategy)) for strategy in both]
+    means = [gain(times.over(strategy, CLOSEST)) for strategy in both]
     rows.append(("mean of all", "", *map(gain_text, means), ""))
+    plain = [times.gain_of_means(strategy, CLOSEST) for strategy in both]
+    texts = ["-" if found is None else f"{found:+.1f}" for found in plain]
+    rows.append(("mean of all, by ratios of mean times", "", *texts, ""))
     rows.append(("paper: mean", "", *(f"{MEAN_GAINS[s]:+.1f}" for s in both), ""))
     for world in WORLDS:
         text = f"{LARGEST_GAINS[world]:+.1f} by the better one"
@@ -390,7 +383,8 @@ def gains(times: Times) -> PrintedTable:
         source=SOURCE,
         columns=("world", "robots", *both, "pairs"),
         rows=tuple(rows),
-        note="With 95 % intervals, over repetitions in which both runs are complete.",
+        note="By geometric means of ratios, with 95 % intervals, over repetitions in which both "
+        "runs are complete. Which mean the paper prints is open.",
     )
 
 
@@ -399,8 +393,8 @@ def times_table(times: Times) -> PrintedTable:
     rows = []
     for world, robots in times.places:
         row = [world, str(robots)]
-        for rule in RULES:
-            values = times.values(world, robots, rule)
+        for strategy in RULES:
+            values = times.values(world, robots, strategy)
             middle = float(np.median(values)) if values else np.nan
             row.append(f"{middle:.0f} s, {middle / STEP_S:.0f} steps" if values else "-")
         rows.append(tuple(row))
@@ -410,6 +404,22 @@ def times_table(times: Times) -> PrintedTable:
         columns=("world", "robots", *RULES),
         rows=tuple(rows),
         note=f"Medians of complete runs. A step is a cell of {CELL_M:g} m, {STEP_S:g} s.",
+    )
+
+
+def waits(times: Times) -> PrintedTable:
+    """Return the share of the robots' time in which they stood still, in all conditions."""
+    return PrintedTable(
+        title="Share of robots' time in which they stood still (percent)",
+        source="",
+        columns=("world", "robots", *RULES),
+        rows=tuple(
+            (world, str(robots), *(times.waiting(world, robots, one) for one in RULES))
+            for world, robots in times.places
+        ),
+        note="Of the time until all are done, all robots and runs together: while others passed, "
+        "or without a frontier to go to. Where closest stands more than the others, a part of "
+        "their gains is that robots which spread are less in each other's way.",
     )
 
 

@@ -27,11 +27,14 @@ from multisrt.presets.minpos_experiment import (
     MAZE,
     MAZES,
     MINPOS,
+    SCAN_STEPS,
     STARTS,
     STRATEGIES,
     TEAMS,
+    every,
+    scans,
 )
-from multisrt.presets.minpos_gains import HOME, TIME, complete, gain, gain_text, ratios_of
+from multisrt.presets.minpos_gains import TIME, TO_99, complete, gain, gain_text, ratios_of
 from multisrt.reporting.claims import PrintedTable
 
 ROBOTS = 4
@@ -40,7 +43,7 @@ ROBOTS = 4
 def _topic(world: str, robots: int, *claims: str) -> Topic:
     return Topic(
         title=f"What the times depend on: {world}, {robots} robots",
-        measures=(TIME, HOME),
+        measures=(TIME, TO_99),
         claims=claims,
     )
 
@@ -58,11 +61,16 @@ IN_MAZES = _topic(
 IN_HOSPITAL = _topic(HOSPITAL, ROBOTS, UP_TO[HOSPITAL], MORE_IN_MAZES)
 LARGEST_TEAM = _topic(MAZE, TEAMS[-1], MORE_WITH_MORE_ROBOTS)
 
-TARGETS = "goals kept until they are reached"
+OTHER_STEPS = 1 if SCAN_STEPS > 1 else 4
+SCANS = f"a scan and a choice at {every(OTHER_STEPS)}"
+TARGETS = "goals kept until they are reached, as by Yamauchi"
 WIDE = "bodies of 1 m, of which two cannot pass in a corridor"
 APART = "starts far apart"
 
 CHANGED = {
+    SCANS: Block(
+        strategies=tuple(with_options(one, "scans", scans(OTHER_STEPS)) for one in STRATEGIES)
+    ),
     TARGETS: Block(
         strategies=tuple(with_options(one, "targets", {"replan": "target"}) for one in STRATEGIES)
     ),
@@ -87,7 +95,7 @@ def _ablation(topic: Topic, world: EnvironmentChoice, robots: int, change: str) 
         change=change,
         base=base,
         changed=msgspec.structs.replace(base, **changed),
-        is_quick=topic == IN_MAZES,
+        is_quick=topic == IN_MAZES and change != SCANS,
     )
 
 
@@ -123,9 +131,9 @@ def _row(what: str, cells: Cells, at: Mapping[str, Condition]) -> tuple[str, ...
 
 ABLATIONS = Ablations(
     changes=(
-        *(_ablation(IN_MAZES, MAZES, ROBOTS, change) for change in (TARGETS, WIDE, APART)),
-        *(_ablation(IN_HOSPITAL, HOSPITALS, ROBOTS, change) for change in (TARGETS, APART)),
-        *(_ablation(LARGEST_TEAM, MAZES, TEAMS[-1], change) for change in (TARGETS, APART)),
+        *(_ablation(IN_MAZES, MAZES, ROBOTS, change) for change in (SCANS, TARGETS, APART)),
+        *(_ablation(IN_HOSPITAL, HOSPITALS, ROBOTS, change) for change in (SCANS, APART)),
+        *(_ablation(LARGEST_TEAM, MAZES, TEAMS[-1], change) for change in (WIDE, APART)),
     ),
     repetitions=20,
     run_s=10.0,

@@ -20,23 +20,35 @@ TEAMS, QUICK_TEAMS = (2, 4, 8, 12), (2, 4)
 REPETITIONS, QUICK_REPETITIONS = 40, 8
 MAZE_M, MAZE_CELLS = 50.0, 25
 WINGS, WING_LENGTH_M = 9, 52.2
-"""The generated hospital is 143.6 x 60 m; that of Player/Stage is 140 x 60 m."""
+"""The generated hospital is 143.6 x 60 m, about as large as that of Player/Stage."""
 
 CELL_M, SPEED_M_S = 0.3, 0.5
 STEP_S = CELL_M / SPEED_M_S
 """Time of a step (s): from a cell to the next one. The paper counts time in steps."""
 
 SCAN_STEPS = 4
+"""Number of steps from one scan to the next, and at least from one choice to the next."""
+
 RANGE_M = 4.0
 BODY = "disc:0.2"
 """A disc about as wide as a cell, as in the paper; two of them pass each other in a door."""
 
-OPTIONS: dict[str, Scalar] = {
-    "cell_m": CELL_M,
-    "sense_period_s": SCAN_STEPS * STEP_S,
-    "replan_period_s": SCAN_STEPS * STEP_S,
-}
-"""Options of all strategies: a scan every fourth step, 1.2 m, and a choice if it shows news."""
+
+def every(steps: int) -> str:
+    """Return how often something happens in words: at every step, or every n-th one."""
+    return "every step" if steps == 1 else f"every {ORDINALS.get(steps, f'{steps}th')} step"
+
+
+ORDINALS = {2: "second", 3: "third", 4: "fourth"}
+
+
+def scans(steps: int) -> dict[str, Scalar]:
+    """Return options for a scan after a number of steps, and then a choice if it shows news."""
+    return {"sense_period_s": steps * STEP_S, "replan_period_s": steps * STEP_S}
+
+
+OPTIONS: dict[str, Scalar] = {"cell_m": CELL_M, **scans(SCAN_STEPS)}
+"""Options of all strategies."""
 
 MAX_TIME_S = 28_800.0
 """Limit of a run in simulated time: several times what the smallest team needs."""

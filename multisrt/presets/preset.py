@@ -92,7 +92,7 @@ class Preset:
     ) -> Preset:
         """Return the preset with a map of one's own instead of its worlds.
 
-        It keeps the ablations if they are made in whatever worlds the experiment has.
+        It keeps the ablations in worlds that the map does not replace.
 
         Parameters
         ----------
@@ -127,14 +127,19 @@ class Preset:
         world = EnvironmentChoice(
             name=name, label=path.stem, resolution_m=resolution_m, starts_from=starts_from
         )
-        told = Deviation(f"{WORLD} the map {path.name}, not that of the paper.")
+        own, given = self.experiment(False), on_map(self.experiment(False), world)
+        replaced = ", ".join(
+            one if isinstance(one, str) else one.label or one.name
+            for one in own.environments
+            if one not in given.environments
+        )
+        told = Deviation(f"{WORLD} the map {path.name}, in the place of {replaced}.")
         others = (one for one in self.deviations if not one.text.startswith(WORLD))
-        ablations = self.ablations
         return replace(
             self,
             experiment=lambda quick: on_map(self.experiment(quick), world),
             deviations=(told, *others),
-            ablations=ablations if ablations is not None and ablations.names_no_world else None,
+            ablations=None if self.ablations is None else self.ablations.in_worlds_of(given),
         )
 
 

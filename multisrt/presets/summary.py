@@ -74,7 +74,7 @@ def summary(
         "## Beside a team that knows the map",
         _gaps(results),
         "## Differences from the paper's experiment",
-        *_differences(preset.deviations, has_ablations=made is not None),
+        *_differences(preset.deviations, made),
         *_ablations(preset, ablations),
         "## Unsuccessful runs",
         _bullets(failed_runs([r for r in results if r.failed], MAX_FAILURES)) or "None.",
@@ -113,8 +113,9 @@ def _ablations(preset: Preset, results: Results | None) -> list[str]:
     seconds = sum(result.computing_s for result in results)
     return [
         "## What changes do",
-        "Runs apart from those of the claims, in few conditions: they show what a difference from "
-        "the paper does, or where a claim that does not hold fails, and decide no claim. "
+        "Runs in few conditions with one thing changed, beside those without the change, which are "
+        "the experiment's own where it has them: they show what a difference from the paper does, "
+        "or where a claim that does not hold fails, and decide no claim. "
         f"{len(results)} of {results.planned} runs, {results.experiment.repetitions} repetitions; "
         f"computing time {seconds / 3600.0:.2f} h of one core.",
         *(_printed(table) for table in preset.ablations.tables(results)),
@@ -161,16 +162,18 @@ def _why(asking: Sequence[Ablation]) -> str:
     return f"ablations that ask why: {', '.join(changes)}; see {' and '.join(topics)}"
 
 
-def _differences(deviations: Sequence[Deviation], *, has_ablations: bool) -> list[str]:
-    """Return the deviations; where there are ablations, by whether these measure them."""
-    if not has_ablations:
+def _differences(deviations: Sequence[Deviation], made: Ablations | None) -> list[str]:
+    """Return the deviations; where ablations were made, by whether these measure them."""
+    if made is None:
         return [_bullets(one.text for one in deviations)]
+    changes = {one.change for one in made.changes}
+    by = [[change for change in one.ablations if change in changes] for one in deviations]
     measured = [
-        f"{one.text} Measured by: {', '.join(f'“{change}”' for change in one.ablations)}."
-        for one in deviations
-        if one.ablations
+        f"{one.text} Measured by: {', '.join(f'“{change}”' for change in measuring)}."
+        for one, measuring in zip(deviations, by, strict=True)
+        if measuring
     ]
-    others = [one.text for one in deviations if not one.ablations]
+    others = [one.text for one, measuring in zip(deviations, by, strict=True) if not measuring]
     return [
         "What these do is measured by ablations, in the tables below:",
         _bullets(measured),

@@ -1,9 +1,9 @@
-"""Where the robots of a team start: as the spec says, scattered, or clustered."""
+"""Where the robots of a team start: as the spec says, scattered, clustered, or at random."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import lru_cache
 
 import numpy as np
@@ -26,7 +26,11 @@ GAP_M = 0.25
 """Distance in metres between the circumscribed circles of two bodies that are placed."""
 
 CANDIDATES = 30
-"""Number of random positions of which a scattered robot takes the one farthest from all others."""
+"""Number of random positions that are drawn for a robot.
+
+A scattered robot takes the one farthest from all others, one that starts at random the first where
+it has room beside them.
+"""
 
 SUBDIVISION = 3
 """Steps of the lattice of a cluster from one position for a robot to the next."""
@@ -42,11 +46,11 @@ def starts_of(
 
     Robots with a start in the spec start there. A single robot without one starts at the first
     suggested start of the environment that its body fits at or, if the environment suggests none,
-    at a position drawn uniformly where it has room in any heading. In a team, robots are either
+    at a position drawn uniformly where it has room in any heading. In a team, robots are
     scattered, each at the one of `CANDIDATES` such positions that is farthest from the others,
-    with a random heading; or clustered around the first one, which starts like a single robot,
-    and in its heading, at the nodes of a hexagonal lattice that are in its sight or have the
-    shortest paths.
+    with a random heading; or each at such a position where it has room beside the others; or
+    clustered around the first one, which starts like a single robot, and in its heading, at the
+    nodes of a hexagonal lattice that are in its sight or have the shortest paths.
 
     Parameters
     ----------
@@ -83,10 +87,11 @@ def starts_of(
     if len(starts) < len(footprints):
         if len(footprints) == 1:
             starts[0] = _alone(streams, environment, footprints[0])
-        elif spec.starts == "scattered":
-            _scatter(streams, environment, component, footprints, starts)
-        else:
+        elif spec.starts == "clustered":
             _cluster(streams, environment, footprints, starts)
+        else:
+            take = _farthest if spec.starts == "scattered" else _first
+            _place(streams, environment, component, footprints, starts, take)
     ordered = tuple(starts[number] for number in range(len(footprints)))
     _require_turning_circles(spec, environment, footprints, ordered[0])
     return ordered
@@ -240,15 +245,19 @@ def _drawn_place(area: Polygon, rng: RandomGenerator) -> Configuration:
             return Configuration(float(x), float(y))
 
 
-# A scattered team ---------------------------------------------------------------------------
+# A scattered team, or one at random places --------------------------------------------------
+
+_Take = Callable[[FloatArray, FloatArray, FloatArray], tuple[float, float] | None]
+"""Takes one of several places, by where others stand and how far from each it must be."""
 
 
-def _scatter(
+def _place(
     streams: RandomStreams,
     environment: Environment,
     component: Polygon,
     footprints: list[Footprint],
     starts: dict[int, Configuration],
+    take: _Take,
 ) -> None:
     for number, footprint in enumerate(footprints):
         if number in starts:
@@ -260,12 +269,12 @@ def _scatter(
             [radius + GAP_M + footprints[other].circumscribed_radius_m for other in starts]
         )
         rng = streams.of("starts", number)
-        place = _farthest(room.draw(rng), others, needed)
+        place = take(room.draw(rng), others, needed)
         if place is None:
             # If all draws were too near the others, draw from what these leave free.
             taken = shapely.union_all(shapely.buffer(shapely.points(others), needed))
             left = _Room(room.area.difference(taken))
-            place = _farthest(left.draw(rng), others, needed) if left.is_open else None
+            place = take(left.draw(rng), others, needed) if left.is_open else None
         if place is None:
             raise _does_not_fit(environment, len(starts), len(footprints))
         starts[number] = Configuration(*place, float(rng.uniform(-math.pi, math.pi)))
@@ -281,6 +290,18 @@ def _farthest(
     nearest = np.where((apart >= needed).all(axis=1), apart.min(axis=1), -math.inf)
     best = int(np.argmax(nearest))
     return (float(places[best, 0]), float(places[best, 1])) if nearest[best] > 0.0 else None
+
+
+def _first(
+    places: FloatArray, others: FloatArray, needed: FloatArray
+) -> tuple[float, float] | None:
+    # The first position that is far enough from each, so that all such are equally likely.
+    apart = np.hypot(*(places[:, None] - others).transpose(2, 0, 1))
+    fits = (apart >= needed).all(axis=1)
+    if not fits.any():
+        return None
+    x, y = places[np.argmax(fits)].tolist()
+    return x, y
 
 
 class _Room:

@@ -19,7 +19,7 @@ from multisrt.spec.robots import (
     RangeFinderSpec,
     RobotSpec,
 )
-from multisrt.spec.run import RunSpec, StopRule
+from multisrt.spec.run import PlacedHow, RunSpec, StopRule
 
 __all__ = [
     "MAX_BEAMS",
@@ -34,6 +34,7 @@ __all__ = [
     "FileEnvironment",
     "InlineEnvironment",
     "LateStart",
+    "PlacedHow",
     "RadioSpec",
     "RangeFinderSpec",
     "RobotSpec",

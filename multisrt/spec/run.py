@@ -19,6 +19,9 @@ from multisrt.spec.radio import RadioSpec
 from multisrt.spec.robots import RobotSpec
 from multisrt.validation_errors import explained
 
+PlacedHow = Literal["scattered", "clustered", "random"]
+"""How a team is placed: far apart, close together, or each robot at a random place."""
+
 
 class StopRule(Part, frozen=True, kw_only=True):
     """When a run ends although its robots would continue.
@@ -69,9 +72,9 @@ class RunSpec(Part, frozen=True, kw_only=True):
         Options of the strategy that are not its defaults.
     robots : tuple of RobotSpec
         The team.
-    starts : {"scattered", "clustered"}
-        Where robots without a `start` are placed: far apart or close together. A single robot
-        starts where the environment suggests, or at a random place.
+    starts : {"scattered", "clustered", "random"}
+        Where robots without a `start` are placed: far apart, close together, or each anywhere. A
+        single robot starts where the environment suggests, or at a random place.
     radio : RadioSpec
         How messages travel.
     faults : tuple of Death, Silence or LateStart
@@ -98,7 +101,7 @@ class RunSpec(Part, frozen=True, kw_only=True):
     strategy: str = "srt-radial"
     options: dict[str, Scalar] = {}
     robots: tuple[RobotSpec, ...] = (RobotSpec(),)
-    starts: Literal["scattered", "clustered"] = "scattered"
+    starts: PlacedHow = "scattered"
     radio: RadioSpec = RadioSpec()
     faults: tuple[Fault, ...] = ()
     stop: StopRule = StopRule()

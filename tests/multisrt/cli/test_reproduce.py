@@ -142,14 +142,22 @@ def test_a_summary_of_something_else_is_not_replaced(reproduce, folder):
 def test_ablations_have_a_store_and_tables_of_their_own(reproduce, folder):
     code, out, _ = reproduce("sbx-r", "--quick", "--seeds", "6")
     assert code == 0
-    # By hand: 10 conditions; 9 of ablations, which have six repetitions however many are asked.
+    # By hand: 10 conditions; 9 of ablations, which have six repetitions however many are asked, and
+    # of which 3 are conditions of the experiment.
     expected, again = (line for line in out.splitlines() if "of one core" in line)
     assert expected.startswith("60 runs, about ")
-    assert "; then 54 runs of ablations, about " in expected
+    assert "; then 36 runs of ablations, about " in expected
     assert expected.endswith("; an interrupted experiment continues with the same command")
-    assert again.startswith("54 runs of ablations, about ")
+    assert again.startswith("36 of 54 runs of ablations, about ")
     made = folder / "reproduced" / "sbx-r-quick"
-    assert (made / "results-ablations.sqlite").is_file()
+    with (
+        Store.open(made / "results.sqlite") as experiment,
+        Store.open(made / "results-ablations.sqlite") as ablations,
+    ):
+        own = {run.key: run.metrics for run in experiment.results()}
+        again_made = {run.key: run.metrics for run in ablations.results()}
+    assert len(own.keys() & again_made.keys()) == 18
+    assert all(again_made[key] == own[key] for key in own.keys() & again_made.keys())
     text = (made / "summary.md").read_text()
     assert "54 of 54 runs, 6 repetitions" in text
     assert "### What single settings change" in text

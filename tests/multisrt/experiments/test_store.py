@@ -8,7 +8,7 @@ import pytest
 
 from multisrt.experiments.crossing import runs
 from multisrt.experiments.mission import make_run
-from multisrt.experiments.spec import ExperimentSpec, Limits
+from multisrt.experiments.spec import ExperimentSpec, Limits, StrategyChoice
 from multisrt.experiments.store import Store
 from multisrt.experiments.store_file import FORMAT, LOG
 from multisrt.geometry.errors import InvalidInputError
@@ -103,6 +103,40 @@ def test_a_result_is_stored_once(filled):
         store.add(result_of(first, "crashed"))
         assert store.done == 3
         assert store.results().results[0].status == "complete"
+
+
+def test_results_of_runs_of_another_experiment_are_taken(path, tmp_path):
+    with Store.create_or_open(path, changed(first_seed=1)) as other:
+        for run in other.missing()[:3]:
+            other.add(result_of(run, wall_s=3.0))
+        made = {run.key: run for run in other.results()}
+    # A seed earlier, with another label, and without the other strategy.
+    again = StrategyChoice(name="srt-radial", label="again")
+    with Store.create_or_open(tmp_path / "own.sqlite", changed(strategies=(again,))) as store:
+        asked = {run.key: run for run in store.runs()}
+        common = made.keys() & asked.keys()
+        assert 0 < len(common) < 3
+        with Store.open(path) as other:
+            assert store.take_from(other) == len(common)
+            assert store.take_from(other) == 0
+        taken = store.results()
+        assert {run.key for run in taken} == common
+        for run in taken:
+            assert run.condition == asked[run.key].condition != made[run.key].condition
+            assert run.repetition == asked[run.key].repetition == made[run.key].repetition + 1
+            assert run.wall_s == 3.0
+        assert len(store.missing()) == len(asked) - len(common)
+
+
+def test_runs_without_a_result_or_of_another_program_are_not_taken(path, tmp_path, monkeypatch):
+    with Store.create_or_open(path, SPEC) as other:
+        other.add(result_of(other.missing()[0], "crashed"))
+        with Store.create_or_open(tmp_path / "same.sqlite", SPEC) as store:
+            assert store.take_from(other) == 0
+            mine = msgspec.structs.replace(store.provenance, program="another")
+            monkeypatch.setattr(store, "provenance", mine)
+            with pytest.raises(InvalidInputError, match="another program"):
+                store.take_from(other)
 
 
 def test_results_can_be_deleted_by_status(filled):

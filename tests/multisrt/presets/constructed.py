@@ -120,7 +120,7 @@ def times(
         world = 1000.0 * (1.0 + 0.5 * noise_of(shared, repetition, "world"))
         vary = 1.0 + spread * noise_of(at, repetition, "time")
         time = world / at.robots * (1.0 - percent / 100.0) * vary
-        return {"known_complete_s": time, "makespan_s": time + 1.0}
+        return {"known_complete_s": time, "time_to_99_s": 0.99 * time, "makespan_s": time + 1.0}
 
     return values
 

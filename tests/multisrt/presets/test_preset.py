@@ -113,7 +113,7 @@ def test_a_preset_takes_another_map(tmp_path):
     (world,) = {run.spec.environment for run in runs(preset.experiment(True))}
     assert isinstance(world, InlineEnvironment)
     assert world.name == "hall"
-    assert preset.deviations[0].text == "World: the map hall.wkt, not that of the paper."
+    assert preset.deviations[0].text == "World: the map hall.wkt, in the place of office."
     assert sum(one.text.startswith("World:") for one in preset.deviations) == 1
     with_team = PRESETS["sbx-r"].with_map(Path("plans/plan.png"), 0.05, "teams/team.txt")
     (choice,) = with_team.experiment(True).environments
@@ -153,7 +153,12 @@ def test_a_map_stands_for_the_hospital_or_for_all_maps(name, label, worlds):
 
 def test_ablations_in_worlds_of_their_own_are_left_out_on_a_map():
     kept = {name: PRESETS[name].with_map(Path("floor.wkt")).ablations for name in ON_MAPS}
-    assert {name for name in kept if kept[name] is not None} == {"sbx-r"}
+    assert {name for name in kept if kept[name] is not None} == {"sbx-r", "minpos"}
+    in_mazes = kept["minpos"]
+    assert in_mazes is not None
+    assert {one.topic.title.split(": ")[1] for one in in_mazes.changes} == {
+        *("maze, 4 robots", "maze, 12 robots")
+    }
     ablations, preset = kept["sbx-r"], PRESETS["sbx-r"].with_map(Path("floor.wkt"))
     assert ablations is not None
     spec = ablations.experiment(preset.experiment(True), quick=True)

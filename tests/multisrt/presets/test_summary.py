@@ -6,6 +6,7 @@ import pytest
 from multisrt.experiments.results import Results
 from multisrt.informed.reference import Reference
 from multisrt.presets import PRESETS
+from multisrt.presets.minpos_ablations import WIDE
 from multisrt.presets.summary import summary
 from multisrt.reporting.words import HOW_TO_REFER
 from tests.multisrt.experiments.results import metrics_of
@@ -109,3 +110,17 @@ def test_a_summary_with_ablations_names_them(name):
     # Without them nothing refers to them.
     without = summary(preset, results, "it", claims=claims, tables=[])
     assert "ablation" not in without.lower()
+
+
+def test_a_difference_is_measured_by_ablations_that_were_made():
+    preset = PRESETS["minpos"]
+    (obstructed,) = [one for one in preset.deviations if one.ablations == (WIDE,)]
+    assert preset.ablations is not None
+    for quick in (True, False):
+        whole = preset.experiment(quick)
+        made = no_results(preset.ablations.experiment(whole, quick=quick))
+        text = summary(preset, no_results(whole), "it", claims=[], tables=[], ablations=made)
+        measured, others = text.split("What these do is measured by no ablation:")
+        # Bodies of 1 m are tried in teams that a quick experiment does not have.
+        assert obstructed.text in (others if quick else measured)
+        assert (f"“{WIDE}”" in text) != quick

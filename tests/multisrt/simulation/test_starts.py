@@ -178,7 +178,7 @@ def test_bodies_that_touch_are_refused():
 # Teams without starts -----------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("how", ["scattered", "clustered"])
+@pytest.mark.parametrize("how", ["scattered", "clustered", "random"])
 def test_a_team_starts_around_given_robots_in_their_component(how):
     robots = [RobotSpec(), RobotSpec(start=(22, 2.5, 0.5)), RobotSpec(), RobotSpec()]
     found = starts(rooms(), robots, starts=how)
@@ -221,7 +221,24 @@ def test_scattered_robots_spread_out():
     assert len({start.heading for start in found}) == 4
 
 
-@pytest.mark.parametrize(("how", "least"), [("scattered", 10), ("clustered", 14)])
+def test_random_robots_start_uniformly_where_they_have_room():
+    # The first robot takes a corner of a narrow hall of 9.45 m where bodies fit: the others start
+    # in either half alike, beyond 0.75 m.
+    hall = Environment("hall", shapely.box(0, 0, 10, 0.6))
+    first = RobotSpec(start=(0.275, 0.3))
+    xs = np.array(
+        [starts(hall, [first, RobotSpec()], starts="random", seed=k)[1].x for k in range(400)]
+    )
+    low, high = 0.275 + 0.75, 9.725
+    assert low <= xs.min() < 1.1
+    assert 9.6 < xs.max() <= high
+    # Uniform to within 4 standard errors of the mean.
+    assert abs(xs.mean() - 0.5 * (low + high)) < 4.0 * (high - low) / math.sqrt(12.0 * 400)
+    # One that is scattered is far away.
+    assert starts(hall, [first, RobotSpec()], starts="scattered", seed=1)[1].x > 8.0
+
+
+@pytest.mark.parametrize(("how", "least"), [("scattered", 10), ("clustered", 14), ("random", 10)])
 def test_a_team_that_does_not_fit_is_refused(how, least):
     # Lattices of 0.75 m hold about 20 robots here.
     tight = Environment("cell", shapely.box(0, 0, 3.4, 3.4))
@@ -245,12 +262,12 @@ def test_scattered_robots_find_the_last_free_corner():
     assert found[-1].distance(Configuration(0.6 + 1.15 * 7, 0.6 + 1.15 * 3)) < 0.3
 
 
-@pytest.mark.parametrize("how", ["scattered", "clustered"])
+@pytest.mark.parametrize("how", ["scattered", "clustered", "random"])
 def test_the_same_seed_gives_the_same_starts(how):
     world = environment("office")
     found = starts(world, team(10), starts=how, seed=3)
     assert starts(world, team(10), starts=how, seed=3) == found
-    if how == "scattered":
+    if how != "clustered":
         assert starts(world, team(10), starts=how, seed=4) != found
         # Robots with higher numbers change nothing for those before.
         assert starts(world, team(12), starts=how, seed=3)[:10] == found
@@ -267,7 +284,7 @@ def test_teams_fit_and_keep_apart(seed, bodies, name):
     world = environment(name)
     robots = [RobotSpec(footprint=body) for body in bodies]
     spread = {}
-    for how in ("scattered", "clustered"):
+    for how in ("scattered", "clustered", "random"):
         found = starts(world, robots, starts=how, seed=seed)
         shapes = [shape(robot, start) for robot, start in zip(robots, found, strict=True)]
         assert all(shapely.contains_properly(world.free, body) for body in shapes)

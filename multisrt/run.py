@@ -121,9 +121,10 @@ def explore(
         `starts` has configurations.
     start : (x, y) or (x, y, heading), optional
         Start configuration (m, rad) of a single robot.
-    starts : {"scattered", "clustered", "random"} or sequence of configurations, optional
+    starts : {"scattered", "clustered", "random", "suggested"} or sequence, optional
         How the start configurations of a team are drawn, far apart, close together, or each
-        uniformly where the body has room; or one configuration (m, rad) for each robot.
+        uniformly where the body has room; or the suggested starts of the environment; or one
+        configuration (m, rad) for each robot.
     footprint : str, optional
         Body of every robot, in the notation of `Footprint.parse`.
     range_m : float, optional
@@ -256,8 +257,8 @@ def run_fields(given: Mapping[str, Any]) -> dict[str, Any]:
     if isinstance(starts, str):
         if starts not in get_args(PlacedHow):
             raise InvalidInputError(
-                f'starts is "scattered", "clustered", "random" or a sequence of configurations, '
-                f"not {starts!r}"
+                f'starts is "scattered", "clustered", "random", "suggested" or a sequence of '
+                f"configurations, not {starts!r}"
             )
         fields["starts"] = starts
     robots = given.get("robots")

@@ -138,8 +138,9 @@ Exit code:
 @click.option("--robots", type=int, metavar="N", help="Number of robots.  [default: 1]")
 @click.option(
     "--starts",
-    type=click.Choice(["scattered", "clustered", "random"]),
-    help="How to draw the starts that --start does not give.  [default: scattered]",
+    type=click.Choice(["scattered", "clustered", "random", "suggested"]),
+    help="Where robots start that --start does not place; suggested: by the map file.  "
+    "[default: scattered]",
 )
 @click.option(
     "--start",

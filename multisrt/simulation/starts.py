@@ -48,8 +48,9 @@ def starts_of(
     suggested start of the environment that its body fits at or, if the environment suggests none,
     at a position drawn uniformly where it has room in any heading. In a team, robots are
     scattered, each at the one of `CANDIDATES` such positions that is farthest from the others,
-    with a random heading; or each at such a position where it has room beside the others; or
-    clustered around the first one, which starts like a single robot, and in its heading, at the
+    with a random heading; or each at such a position where it has room beside the others; or at the
+    suggested starts, in their order; or clustered around the first one, which starts like a single
+    robot, and in its heading, at the
     nodes of a hexagonal lattice that are in its sight or have the shortest paths.
 
     Parameters
@@ -85,7 +86,9 @@ def starts_of(
     component = _common_component(environment, starts)
     _require_apart(footprints, starts)
     if len(starts) < len(footprints):
-        if len(footprints) == 1:
+        if spec.starts == "suggested":
+            _take_suggested(environment, component if starts else None, footprints, starts)
+        elif len(footprints) == 1:
             starts[0] = _alone(streams, environment, footprints[0])
         elif spec.starts == "clustered":
             _cluster(streams, environment, footprints, starts)
@@ -217,6 +220,38 @@ def _suggested(environment: Environment, footprint: Footprint) -> Configuration:
         else:
             return start
     raise problems[0]
+
+
+def _take_suggested(
+    environment: Environment,
+    component: Polygon | None,
+    footprints: list[Footprint],
+    starts: dict[int, Configuration],
+) -> None:
+    # In their order, without those at which a body does not fit or that are cut off from the first.
+    left = list(environment.starts)
+    for number, footprint in enumerate(footprints):
+        if number in starts:
+            continue
+        for place in tuple(left):
+            start = Configuration(*place)
+            if component is not None and not shapely.contains_xy(component, *place):
+                continue
+            try:
+                _require_fit(environment, footprint, start)
+                _require_apart(footprints, {**starts, number: start})
+            except InvalidInputError:
+                continue
+            left.remove(place)
+            starts[number] = start
+            component = component or environment.component(*place)
+            break
+        else:
+            raise InvalidInputError(
+                f"{environment.name!r} suggests {len(environment.starts)} starts, at "
+                f"{len(starts)} of which robots have room together, for {len(footprints)} robots; "
+                "let the others be placed in another way (--start, --starts), or choose fewer"
+            )
 
 
 def _largest_room(environment: Environment, free: BaseGeometry, footprint: Footprint) -> Polygon:

@@ -19,7 +19,7 @@ from multisrt.spec.radio import RadioSpec
 from multisrt.spec.robots import RobotSpec
 from multisrt.validation_errors import explained
 
-PlacedHow = Literal["scattered", "clustered", "random"]
+PlacedHow = Literal["scattered", "clustered", "random", "suggested"]
 """How a team is placed: far apart, close together, or each robot at a random place."""
 
 
@@ -72,9 +72,10 @@ class RunSpec(Part, frozen=True, kw_only=True):
         Options of the strategy that are not its defaults.
     robots : tuple of RobotSpec
         The team.
-    starts : {"scattered", "clustered", "random"}
-        Where robots without a `start` are placed: far apart, close together, or each anywhere. A
-        single robot starts where the environment suggests, or at a random place.
+    starts : {"scattered", "clustered", "random", "suggested"}
+        Where robots without a `start` are placed: far apart, close together, each anywhere, or
+        where the environment suggests. A single robot starts where the environment suggests, or at
+        a random place.
     radio : RadioSpec
         How messages travel.
     faults : tuple of Death, Silence or LateStart

@@ -189,6 +189,20 @@ def test_a_team_starts_around_given_robots_in_their_component(how):
         assert all(found[k].distance(found[1]) == pytest.approx(0.75) for k in (0, 2, 3))
 
 
+def test_a_team_takes_the_suggested_starts_at_which_it_has_room():
+    # The second is too near the wall, the third too near the first, the fourth in another room.
+    places = [(2.0, 2.5), (0.1, 2.5), (2.2, 2.5), (22.0, 2.5), (3.0, 2.5), (3.0, 4.0)]
+    world = Environment("rooms", rooms().free, starts=places)
+    found = starts(world, team(3), starts="suggested")
+    assert [start[:2] for start in found] == [places[0], places[4], places[5]]
+    beside = starts(world, [RobotSpec(start=(21, 2.5, 0.5)), RobotSpec()], starts="suggested")
+    assert beside[1][:2] == places[3]
+    with pytest.raises(InvalidInputError, match="suggests 6 starts, at 3 of which"):
+        starts(world, team(4), starts="suggested")
+    with pytest.raises(InvalidInputError, match="suggests 0 starts"):
+        starts(HALL, team(1), starts="suggested")
+
+
 def test_a_cluster_is_as_dense_as_documented():
     # In the open: the middle, six around it, and twelve around these.
     world = Environment("hall", HALL.free, starts=[(6, 4)])

@@ -79,6 +79,7 @@ def read_environment(
     resolution_m: float | None = None,
     threshold: float | None = None,
     name: str | None = None,
+    repair: bool = False,
 ) -> Environment:
     """Return the world of a map file, whose content determines the format.
 
@@ -94,6 +95,9 @@ def read_environment(
         Lightness in [0, 1] above which a pixel of an image is free; only for images.
     name : str, optional
         Name of the world; by default the name of the file without its suffix.
+    repair : bool, optional
+        Whether rings that are open or cross are repaired, where they are refused by default. What
+        was changed is the world's `Environment.cleaning`.
 
     Returns
     -------
@@ -113,4 +117,6 @@ def read_environment(
     'reading room'
     """
     path = Path(path)
-    return format_of(path).read(path, resolution_m=resolution_m, threshold=threshold, name=name)
+    known = format_of(path)
+    read = known.repair if repair and known.repair is not None else known.read
+    return read(path, resolution_m=resolution_m, threshold=threshold, name=name)

@@ -19,12 +19,15 @@ from multisrt.environments.formats.straighten import straighten_rings
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.numerics.kernel import BoolArray, FloatArray, IntArray, kernel
 
+TOLERANCE_CELLS = 0.45
+"""Default of the maximum displacement of a wall between two cells, in cells."""
+
 MAX_CORNERS = 5_000_000
 """Upper bound of the corners of the boundary; a grid with more is noise or a photograph."""
 
 
 def polygons_from_grid(
-    free: BoolArray, resolution_m: float, *, tolerance_cells: float = 0.45
+    free: BoolArray, resolution_m: float, *, tolerance_cells: float = TOLERANCE_CELLS
 ) -> MultiPolygon:
     """Return the free space of an occupancy grid as polygons.
 
@@ -90,6 +93,22 @@ def polygons_from_grid(
     turns, pinched, ring_starts, ring_cells = _trace(padded, corners)
     vertices, vertex_starts = straighten_rings(turns, pinched, ring_starts, tolerance_cells)
     return _assemble(free, vertices * resolution_m, vertex_starts, ring_cells)
+
+
+def displacement_bound_m(resolution_m: float, tolerance_cells: float = TOLERANCE_CELLS) -> float:
+    """Return the upper bound of the distance between the polygons of a grid and its cells.
+
+    Parameters
+    ----------
+    resolution_m, tolerance_cells
+        As for `polygons_from_grid`.
+
+    Examples
+    --------
+    >>> round(displacement_bound_m(0.05), 4)
+    0.0336
+    """
+    return math.hypot(0.5, tolerance_cells) * resolution_m
 
 
 def _count_corners(padded: BoolArray) -> int:

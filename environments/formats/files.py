@@ -9,8 +9,9 @@ from typing import Any
 from shapely import MultiPolygon
 from shapely.geometry.base import BaseGeometry
 
+from multisrt.environments.cleaning import Cleaning
 from multisrt.environments.environment import SLIVER_WIDTH_M, Environment
-from multisrt.environments.formats.bitmap import polygons_from_grid
+from multisrt.environments.formats.bitmap import displacement_bound_m, polygons_from_grid
 from multisrt.geometry.errors import InvalidInputError, MapFormatError
 from multisrt.geometry.numerics.kernel import BoolArray
 
@@ -142,6 +143,11 @@ def grid_polygons(path: Path, free: BoolArray, resolution_m: float) -> MultiPoly
         raise MapFormatError(f"{path}: {error}") from error
 
 
+def straightened(resolution_m: float) -> Cleaning:
+    """Return what `grid_polygons` changes of the walls of a grid."""
+    return Cleaning(straightened_m=displacement_bound_m(resolution_m))
+
+
 def build_environment(
     path: Path,
     free: BaseGeometry,
@@ -149,8 +155,16 @@ def build_environment(
     name: str | None,
     origin: str,
     starts: Sequence[tuple[float, float]] = (),
+    cleaning: Cleaning | None = None,
 ) -> Environment:
     """Return the world of a file; its default name is that of the file without suffix.
+
+    Parameters
+    ----------
+    path : Path
+        The file, for the name and for messages.
+    free, name, origin, starts, cleaning
+        As for `Environment`.
 
     Raises
     ------
@@ -158,7 +172,13 @@ def build_environment(
         If the free space is not valid.
     """
     try:
-        return Environment(path.stem if name is None else name, free, starts=starts, origin=origin)
+        return Environment(
+            path.stem if name is None else name,
+            free,
+            starts=starts,
+            origin=origin,
+            cleaning=cleaning,
+        )
     except InvalidInputError as error:
         raise MapFormatError(f"{path}: {error}") from error
 

@@ -18,6 +18,7 @@ from multisrt.environments.formats.files import (
     require_file,
     require_number,
     require_resolution,
+    straightened,
 )
 from multisrt.environments.formats.map_format import Beginning, MapFormat
 from multisrt.geometry.errors import MapFormatError
@@ -95,6 +96,7 @@ def read_image(
         grid_polygons(path, free, resolution_m),
         name=name,
         origin=f"{path.name} at {resolution_m:g} m per pixel, free above lightness {threshold:.3g}",
+        cleaning=straightened(resolution_m),
     )
 
 

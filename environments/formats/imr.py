@@ -1,11 +1,14 @@
 """Polygon text files of the IMR maps: a border and obstacles in scaled units."""
 
 import math
+from functools import partial
 from pathlib import Path
 
 import shapely
 from shapely import Polygon
+from shapely.geometry.base import BaseGeometry
 
+from multisrt.environments.cleaning import FIXING, Cleaning, repaired
 from multisrt.environments.environment import MAX_COORDINATE_M, Environment
 from multisrt.environments.formats.files import (
     build_environment,
@@ -26,6 +29,7 @@ def read_imr(
     resolution_m: float | None = None,
     threshold: float | None = None,
     name: str | None = None,
+    repair: bool = False,
 ) -> Environment:
     """Read a polygon map in sections ``[SCALE]``, ``[BORDER]`` and ``[OBSTACLE]``.
 
@@ -38,17 +42,21 @@ def read_imr(
         Refused: the file states its own scale and is not an image.
     name : str, optional
         By default the file's name without suffix.
+    repair : bool, optional
+        Whether rings that cross are repaired instead of refused.
 
     Raises
     ------
     MapFormatError
-        If a section is unknown, missing or has too few points, or a line has no two numbers.
+        If a section is unknown, missing or has too few points, a line has no two numbers, or
+        a ring crosses itself.
     """
     refuse_resolution(path, resolution_m)
     refuse_threshold(path, threshold)
     scale = 1.0
-    borders: list[Polygon] = []
-    obstacles: list[Polygon] = []
+    borders: list[BaseGeometry] = []
+    obstacles: list[BaseGeometry] = []
+    cleaning = Cleaning()
     sections = _sections(path)
     for number, section, rows in sections:
         if section == "[SCALE]":
@@ -59,12 +67,13 @@ def read_imr(
             scale = rows[0][0]
     for number, section, rows in sections:
         if section != "[SCALE]":
-            polygon = _polygon(path, number, section, rows, scale)
+            polygon, changed = _polygon(path, number, section, rows, scale=scale, repair=repair)
+            cleaning += changed
             (borders if section == "[BORDER]" else obstacles).append(polygon)
     if len(borders) != 1:
         raise MapFormatError(f"{path} has {len(borders)} sections [BORDER]; a map has one")
     free = borders[0].difference(shapely.union_all(obstacles))
-    return build_environment(path, free, name=name, origin=path.name)
+    return build_environment(path, free, name=name, origin=path.name, cleaning=cleaning)
 
 
 def _sections(path: Path) -> list[tuple[int, str, list[list[float]]]]:
@@ -95,8 +104,8 @@ def _sections(path: Path) -> list[tuple[int, str, list[list[float]]]]:
 
 
 def _polygon(
-    path: Path, number: int, section: str, rows: list[list[float]], scale: float
-) -> Polygon:
+    path: Path, number: int, section: str, rows: list[list[float]], *, scale: float, repair: bool
+) -> tuple[BaseGeometry, Cleaning]:
     place = f"{path}, line {number}: {section}"
     if len(rows) < 3 or any(len(row) != 2 for row in rows):
         raise MapFormatError(f"{place} is followed by at least three lines x y")
@@ -106,12 +115,12 @@ def _polygon(
             f"{place} has a coordinate beyond {MAX_COORDINATE_M:g} m; check [SCALE]"
         )
     polygon = Polygon(points)
-    if not polygon.is_valid:
+    if not (polygon.is_valid or repair):
         raise MapFormatError(
             f"{place} is not a valid polygon: {shapely.is_valid_reason(polygon)}; "
-            "draw outlines that do not cross themselves"
+            f"draw outlines that do not cross themselves, or {FIXING}"
         )
-    return polygon
+    return repaired(polygon)
 
 
 def _is_imr(beginning: Beginning) -> bool:
@@ -123,4 +132,5 @@ IMR = MapFormat(
     suffixes=(".txt",),
     recognises=_is_imr,
     read=read_imr,
+    repair=partial(read_imr, repair=True),
 )

@@ -229,7 +229,7 @@ def _ring(world: _World, place: _Place, ring: object) -> list[tuple[float, float
     if len(positions) < 4:
         raise place.error(
             f"the ring has {len(positions)} positions",
-            "it has at least four, the last equal to the first",
+            f"it has at least four, the last equal to the first; {FIXING}",
         )
     if positions[0] != positions[-1]:
         raise place.error(

@@ -31,14 +31,12 @@ Examples:
   multisrt environments check plan.png --resolution 0.05 --out check.svg
   multisrt environments check office --footprint box:0.6x0.4
   multisrt environments check drawn.geojson --fix clean.geojson
-  multisrt environments check scan.pgm --resolution 0.05 --fix scan.wkt --specks 0.15
-    --close 0.3 --simplify 0.02
+  multisrt environments check scan.yaml --fix scan.wkt --specks 0.1 --close 0.3
 
 \b
 Exit code:
-  0  the map suits the body       2    bad input, e.g. rings that cross without --fix
-  1  it does not: lines that      130  interrupted
-     begin with 'problem:'
+  0  the map suits the body          2    bad input, or rings that need --fix
+  1  it does not: 'problem: ...'     130  interrupted
 """
 
 
@@ -49,7 +47,7 @@ def _meant(words: Sequence[str]) -> Sequence[str]:
 @click.group(cls=CommandGroup, meant=_meant, invoke_without_command=True)
 @click.pass_context
 def environments(context: click.Context) -> None:
-    """List the environments of the catalogue, or draw or check one.
+    """List the environments, draw or check one.
 
     \b
     Examples:

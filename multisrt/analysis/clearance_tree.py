@@ -149,11 +149,12 @@ class ClearanceTree:
         order, parent = csgraph.breadth_first_order(
             _graph(self.links, count), 0, directed=False, return_predecessors=True
         )
-        below = _sums_of_subtrees(order, parent, self.areas)
+        below = _sums_of_subtrees(order.astype(np.int64), parent.astype(np.int64), self.areas)
         first, second = self.links.T
         child = np.where(parent[second] == first, second, first)
         side = below[child]
-        return np.minimum(side, self.areas.sum() - side)
+        smaller: FloatArray = np.minimum(side, self.areas.sum() - side)
+        return smaller
 
     def passages(self, min_beyond_m2: float) -> tuple[Passage, ...]:
         """Return the passages that cut off something, the narrowest first.
@@ -472,17 +473,17 @@ def _with_exact_ends(
     """
     starts = np.vstack(rings)
     stops = np.vstack([np.roll(ring, -1, axis=0) for ring in rings])
-    edges = shapely.linestrings(np.stack([starts, stops], axis=1))
+    edges = np.asarray(shapely.linestrings(np.stack([starts, stops], axis=1)), np.object_)
     tree = shapely.STRtree(edges)
     inserted: dict[int, list[tuple[float, float]]] = {}
     reach = np.minimum(within_m, 0.25 * np.hypot(*(ends[:, 1] - ends[:, 0]).T))
     for pair, around in zip(ends, reach, strict=True):
-        near = [tree.query(shapely.Point(end), "dwithin", distance=around) for end in pair]
-        if np.intersect1d(*near).size or not all(side.size for side in near):
+        here, there = (tree.query(shapely.Point(end), "dwithin", distance=around) for end in pair)
+        if np.intersect1d(here, there).size or not (here.size and there.size):
             continue
-        gaps = shapely.distance(edges[near[0]][:, None], edges[near[1]][None, :])
+        gaps = shapely.distance(edges[here][:, None], edges[there][None, :])
         one, other = np.unravel_index(np.argmin(gaps), gaps.shape)
-        chosen = int(near[0][one]), int(near[1][other])
+        chosen = int(here[one]), int(there[other])
         exact = shapely.get_coordinates(shapely.shortest_line(edges[chosen[0]], edges[chosen[1]]))
         for edge, (x, y) in zip(chosen, exact.tolist(), strict=True):
             inserted.setdefault(edge, []).append((x, y))

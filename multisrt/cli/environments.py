@@ -31,12 +31,12 @@ Examples:
   multisrt environments check plan.png --resolution 0.05 --out check.svg
   multisrt environments check office --footprint box:0.6x0.4
   multisrt environments check drawn.geojson --fix clean.geojson
-  multisrt environments check scan.yaml --fix scan.wkt --specks 0.1 --close 0.3
+  multisrt environments check scan.yaml --fix scan.wkt --close 0.3
 
 \b
 Exit code:
-  0  the map suits the body          2    bad input, or rings that need --fix
-  1  it does not: 'problem: ...'     130  interrupted
+  0  the map suits the body        2    bad input, or rings to be fixed
+  1  it does not: 'problem: ...'   130  interrupted
 """
 
 

@@ -1,7 +1,6 @@
 """The model of a world: free space as polygons with holes, in metres."""
 
 import hashlib
-import math
 from collections.abc import Iterable, Sequence
 from functools import cached_property
 from importlib import import_module
@@ -10,17 +9,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
-from shapely import GeometryType, MultiPolygon, Point, Polygon
+from shapely import MultiPolygon, Point, Polygon
 from shapely.geometry.base import BaseGeometry
 
+from multisrt.environments.cleaning import Cleaning, polygons_of, without_slivers
 from multisrt.geometry.errors import ClearanceError, InvalidInputError
 from multisrt.geometry.numerics.arrays import FloatArray
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-GeometryArray = NDArray[np.object_]
 
 SLIVER_WIDTH_M = 1e-3
 """Width in metres below which parts of free space and obstacles are dropped."""
@@ -45,6 +42,9 @@ class Environment:
         Suggested starts in metres, in order of preference.
     origin : str, optional
         Source of the world: the call of a generator or the name of a file.
+    cleaning : Cleaning, optional
+        What was changed of the map before. Parts of free space and obstacles that are nowhere as
+        wide as 1 mm are dropped here, which is added.
 
     Raises
     ------
@@ -68,19 +68,20 @@ class Environment:
         *,
         starts: Sequence[tuple[float, float]] = (),
         origin: str = "",
+        cleaning: Cleaning | None = None,
     ) -> None:
         _require_valid(free, name)
-        solid = _without_slivers(_polygons(free))
-        if not solid.size:
+        parts, dropped = without_slivers(polygons_of(free), SLIVER_WIDTH_M)
+        if parts.is_empty:
             raise InvalidInputError(
                 f"environment {name!r}: free space is empty; "
                 "a world needs at least one area wider than 1 mm"
             )
-        parts = MultiPolygon([_without_sliver_holes(part) for part in solid])
         free_space = shapely.orient_polygons(shapely.normalize(parts))
         self._name = name
         self._free: MultiPolygon = free_space
         self._origin = origin
+        self._cleaning = dropped if cleaning is None else cleaning + dropped
         self._starts = tuple((float(x), float(y)) for x, y in starts)
         shapely.prepare(self._free)
         for x, y in self._starts:
@@ -155,6 +156,11 @@ class Environment:
     def origin(self) -> str:
         """Source of the world: the call of a generator or the name of a file; may be empty."""
         return self._origin
+
+    @property
+    def cleaning(self) -> Cleaning:
+        """What readers and repairs changed of the map; it has no influence on the digest."""
+        return self._cleaning
 
     @property
     def area_m2(self) -> float:
@@ -316,12 +322,6 @@ class Environment:
         return hash((self._name, self.digest))
 
 
-def _polygons(geometry: BaseGeometry) -> GeometryArray:
-    parts = shapely.get_parts(geometry)
-    polygons: GeometryArray = parts[shapely.get_type_id(parts) == GeometryType.POLYGON]
-    return polygons
-
-
 def _require_valid(geometry: BaseGeometry, name: str) -> None:
     if geometry.geom_type not in ("Polygon", "MultiPolygon", "GeometryCollection"):
         raise InvalidInputError(
@@ -343,24 +343,6 @@ def _require_valid(geometry: BaseGeometry, name: str) -> None:
             f"environment {name!r}: a polygon is not valid: "
             f"{shapely.is_valid_reason(geometry)}; draw outlines that do not cross themselves"
         )
-
-
-def _without_slivers(parts: GeometryArray) -> GeometryArray:
-    # An erosion removes at most a strip along the boundary and a sector at each hole. A part
-    # with more area than that is not a sliver, so that large parts need no erosion.
-    radius = SLIVER_WIDTH_M / 2
-    holes = shapely.get_num_interior_rings(parts)
-    thin = shapely.area(parts) <= radius * shapely.length(parts) + holes * math.pi * radius**2
-    thin[thin] = shapely.is_empty(shapely.buffer(parts[thin], -radius))
-    return parts[~thin]
-
-
-def _without_sliver_holes(part: Polygon) -> Polygon:
-    holes = np.asarray(shapely.polygons(shapely.get_rings(part)[1:]), np.object_)
-    solid = _without_slivers(holes)
-    if solid.size == holes.size:
-        return part
-    return Polygon(part.exterior, [hole.exterior for hole in solid])
 
 
 def _pictures() -> ModuleType:

@@ -105,6 +105,7 @@ def read_environment(
     threshold: float | None = None,
     starts_from: str | Path | None = None,
     name: str | None = None,
+    repair: bool = False,
 ) -> Environment:
     """Return the world of a map file, whose content determines the format.
 
@@ -122,6 +123,9 @@ def read_environment(
         A team file of MRESim, whose robots' pixels become the suggested starts; only for images.
     name : str, optional
         Name of the world; by default the name of the file without its suffix.
+    repair : bool, optional
+        Whether rings that are open or cross are repaired, where they are refused by default. What
+        was changed is the world's `Environment.cleaning`.
 
     Returns
     -------
@@ -147,7 +151,8 @@ def read_environment(
             f"{path} is not a plain image, whose pixels a team file names; "
             "leave out --starts-from (starts_from)"
         )
-    world = known.read(path, resolution_m=resolution_m, threshold=threshold, name=name)
+    read = known.repair if repair and known.repair is not None else known.read
+    world = read(path, resolution_m=resolution_m, threshold=threshold, name=name)
     if starts_from is None:
         return world
     return with_team(world, path, require_resolution(path, resolution_m), Path(starts_from))

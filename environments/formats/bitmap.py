@@ -9,6 +9,7 @@ Occupied cells that touch at a corner are joined (8-connected), free cells that 
 corner are not (4-connected): a robot cannot slip through a diagonal wall.
 """
 
+import math
 from typing import TypeAlias
 
 import numpy as np
@@ -19,6 +20,9 @@ from multisrt.environments.formats.straighten import straighten_rings
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.numerics.kernel import BoolArray, FloatArray, IntArray, kernel
 
+TOLERANCE_CELLS = 0.45
+"""Default of the maximum displacement of a wall between two cells, in cells."""
+
 MAX_CORNERS = 5_000_000
 """Upper bound of the corners of the boundary; a grid with more is noise or a photograph."""
 
@@ -27,7 +31,7 @@ Resolution: TypeAlias = float | tuple[float, float]
 
 
 def polygons_from_grid(
-    free: BoolArray, resolution_m: Resolution, *, tolerance_cells: float = 0.45
+    free: BoolArray, resolution_m: Resolution, *, tolerance_cells: float = TOLERANCE_CELLS
 ) -> MultiPolygon:
     """Return the free space of an occupancy grid as polygons.
 
@@ -149,6 +153,24 @@ def polygons_between_lines(free: BoolArray, x_m: FloatArray, y_m: FloatArray) ->
         )
     vertices = np.column_stack([x_m[turns[:, 0]], y_m[turns[:, 1]]])
     return _assemble(free, vertices, ring_starts, ring_cells)
+
+
+def displacement_bound_m(
+    resolution_m: Resolution, tolerance_cells: float = TOLERANCE_CELLS
+) -> float:
+    """Return the upper bound of the distance between the polygons of a grid and its cells.
+
+    Parameters
+    ----------
+    resolution_m, tolerance_cells
+        As for `polygons_from_grid`.
+
+    Examples
+    --------
+    >>> round(displacement_bound_m(0.05), 4)
+    0.0336
+    """
+    return math.hypot(0.5, tolerance_cells) * float(_cell_sides(resolution_m).max())
 
 
 def _count_corners(padded: BoolArray) -> int:

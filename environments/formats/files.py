@@ -10,8 +10,13 @@ from typing import Any
 from shapely import MultiPolygon
 from shapely.geometry.base import BaseGeometry
 
+from multisrt.environments.cleaning import Cleaning
 from multisrt.environments.environment import SLIVER_WIDTH_M, Environment
-from multisrt.environments.formats.bitmap import Resolution, polygons_from_grid
+from multisrt.environments.formats.bitmap import (
+    Resolution,
+    displacement_bound_m,
+    polygons_from_grid,
+)
 from multisrt.geometry.errors import InvalidInputError, MapFormatError
 from multisrt.geometry.numerics.kernel import BoolArray
 
@@ -237,6 +242,11 @@ def grid_polygons(path: Path, free: BoolArray, resolution_m: Resolution) -> Mult
         raise MapFormatError(f"{path}: {error}") from error
 
 
+def straightened(resolution_m: Resolution) -> Cleaning:
+    """Return what `grid_polygons` changes of the walls of a grid."""
+    return Cleaning(straightened_m=displacement_bound_m(resolution_m))
+
+
 def build_environment(
     path: Path,
     free: BaseGeometry,
@@ -244,8 +254,16 @@ def build_environment(
     name: str | None,
     origin: str,
     starts: Sequence[tuple[float, float]] = (),
+    cleaning: Cleaning | None = None,
 ) -> Environment:
     """Return the world of a file; its default name is that of the file without suffix.
+
+    Parameters
+    ----------
+    path : Path
+        The file, for the name and for messages.
+    free, name, origin, starts, cleaning
+        As for `Environment`.
 
     Raises
     ------
@@ -253,7 +271,13 @@ def build_environment(
         If the free space is not valid.
     """
     try:
-        return Environment(path.stem if name is None else name, free, starts=starts, origin=origin)
+        return Environment(
+            path.stem if name is None else name,
+            free,
+            starts=starts,
+            origin=origin,
+            cleaning=cleaning,
+        )
     except InvalidInputError as error:
         raise MapFormatError(f"{path}: {error}") from error
 

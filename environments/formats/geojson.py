@@ -4,11 +4,14 @@ import json
 import math
 import re
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 
 import shapely
 from shapely import Polygon
+from shapely.geometry.base import BaseGeometry
 
+from multisrt.environments.cleaning import FIXING, Cleaning, closed_ring, repaired, united
 from multisrt.environments.environment import MAX_COORDINATE_M, Environment
 from multisrt.environments.formats.files import (
     build_environment,
@@ -39,6 +42,7 @@ def read_geojson(
     resolution_m: float | None = None,
     threshold: float | None = None,
     name: str | None = None,
+    repair: bool = False,
 ) -> Environment:
     """Read a GeoJSON file whose coordinates are metres.
 
@@ -58,6 +62,8 @@ def read_geojson(
         Rejected: the file is in metres and not an image.
     name : str, optional
         By default the file's name without suffix.
+    repair : bool, optional
+        Whether rings that are open or cross are repaired instead of refused.
 
     Raises
     ------
@@ -71,14 +77,14 @@ def read_geojson(
     root = _Place(str(path))
     document = read_json(path, "GeoJSON")
     _refuse_degrees(root, document)
-    world = _World()
+    world = _World(repair=repair)
     try:
         _add(world, root, document, "free")
     except RecursionError as error:
         raise root.error("collections are nested too deep", "flatten them") from error
     if not world.free:
         raise root.error("there is no free space", "add a Polygon of kind outline")
-    free = shapely.union_all(world.free)
+    free, overlaps = united(world.free)
     x0, y0, x1, y1 = free.bounds
     if max(x1 - x0, y1 - y0) < MIN_EXTENT_M:
         raise root.error(
@@ -87,7 +93,14 @@ def read_geojson(
         )
     if world.obstacles:
         free = free.difference(shapely.union_all(world.obstacles))
-    return build_environment(path, free, name=name, origin=path.name, starts=world.starts)
+    return build_environment(
+        path,
+        free,
+        name=name,
+        origin=path.name,
+        starts=world.starts,
+        cleaning=world.cleaning + overlaps,
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,9 +118,11 @@ class _Place:
 
 @dataclass(slots=True)
 class _World:
-    free: list[Polygon] = field(default_factory=list)
-    obstacles: list[Polygon] = field(default_factory=list)
+    repair: bool
+    free: list[BaseGeometry] = field(default_factory=list)
+    obstacles: list[BaseGeometry] = field(default_factory=list)
     starts: list[tuple[float, float]] = field(default_factory=list)
+    cleaning: Cleaning = field(default_factory=Cleaning)
 
 
 def _refuse_degrees(place: _Place, document: object) -> None:
@@ -138,12 +153,10 @@ def _add(world: _World, place: _Place, item: object, kind: str) -> None:
             for number, geometry in enumerate(_list(place, item, "geometries"), start=1):
                 _add(world, place.at("geometry", number), geometry, kind)
         case "Polygon" if kind != "start":
-            polygon = _polygon(place, _list(place, item, "coordinates"))
-            (world.free if kind == "free" else world.obstacles).append(polygon)
+            _add_polygon(world, place, _list(place, item, "coordinates"), kind)
         case "MultiPolygon" if kind != "start":
             for number, rings in enumerate(_list(place, item, "coordinates"), start=1):
-                polygon = _polygon(place.at("polygon", number), rings)
-                (world.free if kind == "free" else world.obstacles).append(polygon)
+                _add_polygon(world, place.at("polygon", number), rings, kind)
         case "Point" if kind == "start":
             world.starts.append(_position(place, item.get("coordinates")))
         case "MultiPoint" if kind == "start":
@@ -170,37 +183,44 @@ def _kind(place: _Place, properties: object) -> str:
     return KINDS[word.lower()]
 
 
-def _polygon(place: _Place, rings: object) -> Polygon:
+def _add_polygon(world: _World, place: _Place, rings: object, kind: str) -> None:
     if not isinstance(rings, list) or not rings:
         raise place.error("this polygon has no rings", "give an outer ring and its holes")
     shell, *holes = [
-        _ring(place.at("ring", number), ring) for number, ring in enumerate(rings, start=1)
+        _ring(world, place.at("ring", number), ring) for number, ring in enumerate(rings, start=1)
     ]
-    polygon = Polygon(shell, holes)
+    polygon: BaseGeometry = Polygon(shell, holes)
     if not polygon.is_valid:
-        raise place.error(
-            f"the polygon is not valid: {shapely.is_valid_reason(polygon)}",
-            "draw rings that do not cross",
-        )
-    return polygon
+        if not world.repair:
+            raise place.error(
+                f"the polygon is not valid: {shapely.is_valid_reason(polygon)}",
+                f"draw rings that do not cross, or {FIXING}",
+            )
+        polygon, changed = repaired(Polygon(shell, holes))
+        world.cleaning += changed
+    if not polygon.is_empty:
+        (world.free if kind == "free" else world.obstacles).append(polygon)
 
 
-def _ring(place: _Place, ring: object) -> list[tuple[float, float]]:
+def _ring(world: _World, place: _Place, ring: object) -> list[tuple[float, float]]:
     if not isinstance(ring, list):
         raise place.error(f"the ring is {shown(ring)}", "it is a list of positions")
     positions = [
         _position(place.at("position", number), position)
         for number, position in enumerate(ring, start=1)
     ]
+    if world.repair and len(positions) > 2:
+        positions, changed = closed_ring(positions)
+        world.cleaning += changed
     if len(positions) < 4:
         raise place.error(
             f"the ring has {len(positions)} positions",
-            "it has at least four, the last equal to the first",
+            f"it has at least four, the last equal to the first; {FIXING}",
         )
     if positions[0] != positions[-1]:
         raise place.error(
             f"the ring is open: it starts at {positions[0]} and ends at {positions[-1]}",
-            "repeat the first position at the end",
+            f"repeat the first position at the end, or {FIXING}",
         )
     return positions
 
@@ -244,4 +264,5 @@ GEOJSON = MapFormat(
     suffixes=(".geojson", ".json"),
     recognises=_is_geojson,
     read=read_geojson,
+    repair=partial(read_geojson, repair=True),
 )

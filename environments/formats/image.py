@@ -18,6 +18,7 @@ from multisrt.environments.formats.files import (
     require_file,
     require_number,
     require_resolution,
+    straightened,
 )
 from multisrt.environments.formats.map_format import Beginning, MapFormat
 from multisrt.environments.formats.start_mark import marked_starts
@@ -87,6 +88,7 @@ def read_image(
         name=name,
         origin=f"{path.name} at {resolution_m:g} m per pixel, free above lightness {threshold:.3g}",
         starts=marked_starts(levels, free, resolution_m),
+        cleaning=straightened(resolution_m),
     )
 
 

@@ -3,12 +3,15 @@
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Final
 
 import shapely
 from shapely import Polygon
+from shapely.geometry.base import BaseGeometry
 
+from multisrt.environments.cleaning import FIXING, Cleaning, repaired
 from multisrt.environments.environment import MAX_COORDINATE_M, Environment
 from multisrt.environments.formats.files import (
     build_environment,
@@ -51,6 +54,7 @@ def read_imr(
     resolution_m: float | None = None,
     threshold: float | None = None,
     name: str | None = None,
+    repair: bool = False,
 ) -> Environment:
     """Read a polygon map of the Intelligent and Mobile Robotics group (CTU Prague).
 
@@ -73,12 +77,15 @@ def read_imr(
         Refused: the file states its own scale and is not an image.
     name : str, optional
         By default the file's name without suffix.
+    repair : bool
+        Whether rings that cross are repaired; by default they are refused.
 
     Raises
     ------
     MapFormatError
         If a section is unknown, missing or has too few points, a line is not made of the
-        numbers that belong there, a count is wrong, or an index has no point.
+        numbers that belong there, a count is wrong, an index has no point, or a ring crosses
+        itself.
 
     Notes
     -----
@@ -95,12 +102,22 @@ def read_imr(
         polygons = _map_points_polygons(sections)
     else:
         polygons = _plain_polygons(sections)
-    borders = [polygon for is_border, polygon in polygons if is_border]
-    obstacles = [polygon for is_border, polygon in polygons if not is_border]
+    borders: list[BaseGeometry] = []
+    obstacles: list[BaseGeometry] = []
+    cleaning = Cleaning()
+    for is_border, section, polygon in polygons:
+        if not (polygon.is_valid or repair):
+            raise section.error(
+                f"is not a valid polygon: {shapely.is_valid_reason(polygon)}; "
+                f"draw outlines that do not cross themselves, or {FIXING}"
+            )
+        whole, changed = repaired(polygon)
+        cleaning += changed
+        (borders if is_border else obstacles).append(whole)
     if len(borders) != 1:
         raise MapFormatError(f"{path} has {len(borders)} borders; a map has one")
     free = borders[0].difference(shapely.union_all(obstacles))
-    return build_environment(path, free, name=name, origin=path.name)
+    return build_environment(path, free, name=name, origin=path.name, cleaning=cleaning)
 
 
 # Sections -----------------------------------------------------------------------------------
@@ -185,7 +202,8 @@ def _row(path: Path, number: int, text: str) -> list[float]:
 # Layouts ------------------------------------------------------------------------------------
 
 
-Polygons = list[tuple[bool, Polygon]]
+Polygons = list[tuple[bool, _Section, Polygon]]
+"""Polygons with their sections, and whether each is the border."""
 
 
 def _plain_polygons(sections: list[_Section]) -> Polygons:
@@ -201,7 +219,7 @@ def _plain_polygons(sections: list[_Section]) -> Polygons:
             if any(len(row) != 2 for row in section.rows):
                 raise section.error("is followed by at least three lines x y")
             points = [(x * scale, y * scale) for x, y in section.rows]
-            polygons.append((section.heading == "[BORDER]", _polygon(section, points)))
+            polygons.append((section.heading == "[BORDER]", section, _polygon(section, points)))
         elif section.heading != "[SCALE]":
             raise section.error(f"does not belong to a layout with {', '.join(SECTIONS)}")
     return polygons
@@ -213,6 +231,7 @@ def _map_points_polygons(sections: list[_Section]) -> Polygons:
     return [
         (
             section.heading == "[MAP_BORDER]",
+            section,
             _polygon(section, _indexed(section, range(len(section.rows)), points, 0)),
         )
         for section in sections
@@ -228,7 +247,7 @@ def _named_polygons(sections: list[_Section]) -> Polygons:
     for section in sections:
         if section.heading == "[BORDER]":
             vertices = _indexed(section, section.counted(0), points, 1)
-            polygons.append((True, _polygon(section, vertices)))
+            polygons.append((True, section, _polygon(section, vertices)))
         elif section.heading == "[HOLE]":
             # The number and the count of a hole are on one line or on two.
             if section.rows and len(section.rows[0]) == 2:
@@ -236,7 +255,7 @@ def _named_polygons(sections: list[_Section]) -> Polygons:
                 section.lines[:1] = [section.lines[0]] * 2
             holes.add(section.count(0))
             vertices = _indexed(section, section.counted(1), points, 1)
-            polygons.append((False, _polygon(section, vertices)))
+            polygons.append((False, section, _polygon(section, vertices)))
     for section in sections:
         if section.heading == "[NUM_HOLES]":
             count = section.count(0)
@@ -293,13 +312,7 @@ def _polygon(section: _Section, points: list[Point]) -> Polygon:
         raise section.error("is followed by at least three lines or points")
     if not all(abs(value) <= MAX_COORDINATE_M for point in points for value in point):
         raise section.error(f"has a coordinate beyond {MAX_COORDINATE_M:g} m; check the scale")
-    polygon = Polygon(points)
-    if not polygon.is_valid:
-        raise section.error(
-            f"is not a valid polygon: {shapely.is_valid_reason(polygon)}; "
-            "draw outlines that do not cross themselves"
-        )
-    return polygon
+    return Polygon(points)
 
 
 def _is_imr(beginning: Beginning) -> bool:
@@ -312,4 +325,5 @@ IMR = MapFormat(
     suffixes=(".txt",),
     recognises=_is_imr,
     read=read_imr,
+    repair=partial(read_imr, repair=True),
 )

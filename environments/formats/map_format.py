@@ -69,12 +69,15 @@ class MapFormat:
         Whether a file that begins so is of this format. At most one format recognises a file.
     read : Reader
         Its reader.
+    repair : Reader or None
+        Its reader that repairs rings which are open or cross; None if it has no rings.
     """
 
     name: str
     suffixes: tuple[str, ...]
     recognises: Callable[[Beginning], bool]
     read: Reader
+    repair: Reader | None = None
 
 
 def beginning_of(path: Path) -> Beginning:

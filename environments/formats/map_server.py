@@ -16,6 +16,7 @@ from multisrt.environments.formats.files import (
     refuse_threshold,
     require_resolution,
     shown,
+    straightened,
 )
 from multisrt.environments.formats.image import Pixels, read_pixels
 from multisrt.environments.formats.map_format import Beginning, MapFormat
@@ -101,6 +102,7 @@ def read_map_server(
         polygons,
         name=name,
         origin=f"{path.name} with {entries['image']}, {resolution:g} m per pixel",
+        cleaning=straightened(resolution),
     )
 
 

@@ -14,6 +14,7 @@ from multisrt.environments.formats.files import (
     refuse_threshold,
     require_resolution,
     shown,
+    straightened,
 )
 from multisrt.environments.formats.map_format import Beginning, MapFormat
 from multisrt.geometry.errors import MapFormatError
@@ -65,6 +66,7 @@ def read_moving_ai(
         grid_polygons(path, read_cells(path), resolution_m),
         name=name,
         origin=f"{path.name} at {resolution_m:g} m per cell",
+        cleaning=straightened(resolution_m),
     )
 
 

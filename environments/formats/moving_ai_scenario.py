@@ -16,6 +16,7 @@ from multisrt.environments.formats.files import (
     refuse_threshold,
     require_resolution,
     shown,
+    straightened,
 )
 from multisrt.environments.formats.map_format import Beginning, MapFormat
 from multisrt.environments.formats.moving_ai import read_cells
@@ -92,6 +93,7 @@ def read_moving_ai_scenario(
             ((column + 0.5) * resolution_m, (height - row - 0.5) * resolution_m)
             for column, row in list(starts)[:MAX_STARTS]
         ],
+        cleaning=straightened(resolution_m),
     )
 
 

@@ -17,6 +17,7 @@ from multisrt.environments.formats.files import (
     refuse_threshold,
     require_file,
     require_resolution,
+    straightened,
 )
 from multisrt.environments.formats.image import free_pixels
 from multisrt.environments.formats.map_format import Beginning, MapFormat
@@ -106,6 +107,7 @@ def read_numpy_array(
         grid_polygons(path, free, resolution_m),
         name=name,
         origin=f"{path.name} at {resolution_m:g} m per cell, {rule}",
+        cleaning=straightened(resolution_m),
     )
 
 

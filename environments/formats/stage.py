@@ -12,8 +12,9 @@ import shapely
 from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
+from multisrt.environments.cleaning import Cleaning
 from multisrt.environments.environment import MAX_COORDINATE_M, Environment
-from multisrt.environments.formats.bitmap import MAX_CORNERS
+from multisrt.environments.formats.bitmap import MAX_CORNERS, displacement_bound_m
 from multisrt.environments.formats.files import (
     MAX_CELLS,
     MAX_STARTS,
@@ -153,6 +154,7 @@ def read_stage(
         name=name,
         origin="; ".join(told),
         starts=list(dict.fromkeys(inside))[:MAX_STARTS],
+        cleaning=Cleaning(straightened_m=world.straightened_m),
     )
 
 
@@ -254,6 +256,15 @@ def _number(entity: Entity, key: str, default: float) -> float:
 
 
 @dataclass(frozen=True, slots=True)
+class _Bitmap:
+    """The free space of an image in a unit square around the origin, and its rows and columns."""
+
+    free: BaseGeometry
+    rows: int
+    columns: int
+
+
+@dataclass(frozen=True, slots=True)
 class _Floorplan:
     """A model with a bitmap: its free space in its own frame, its rectangle and its pose."""
 
@@ -271,8 +282,9 @@ class _World:
     floorplans: list[_Floorplan] = field(default_factory=list)
     obstacles: list[BaseGeometry] = field(default_factory=list)
     robots: list[tuple[float, float]] = field(default_factory=list)
-    bitmaps: dict[str, BaseGeometry] = field(default_factory=dict)
+    bitmaps: dict[str, _Bitmap] = field(default_factory=dict)
     pixels: int = 0
+    straightened_m: float = 0.0
     corners: int = 0
 
     def add_children(self, parent: Entity, frame: _Pose) -> None:
@@ -311,7 +323,10 @@ class _World:
         if _number(entity, "boundary", 0.0):
             inner = ground.buffer(-BOUNDARY_M, join_style="mitre")
         if "bitmap" in entity.properties:
-            free = _stretched(self._bitmap(entity), width, height)
+            bitmap = self._bitmap(entity)
+            free = _stretched(bitmap.free, width, height)
+            cell = width / bitmap.columns, height / bitmap.rows
+            self.straightened_m = max(self.straightened_m, displacement_bound_m(cell))
             if inner is not ground:
                 free = free & inner
             self._count(free)
@@ -330,8 +345,8 @@ class _World:
                 "remove some of them"
             )
 
-    def _bitmap(self, entity: Entity) -> BaseGeometry:
-        """Return the free space of a model's bitmap in a unit square around the origin."""
+    def _bitmap(self, entity: Entity) -> _Bitmap:
+        """Return a model's bitmap."""
         found = entity.properties["bitmap"]
         file = found.values[0] if len(found.values) == 1 else None
         if not isinstance(file, str) or not file:
@@ -344,7 +359,7 @@ class _World:
             self.bitmaps[file] = self._read(file, found.place)
         return self.bitmaps[file]
 
-    def _read(self, file: str, place: str) -> BaseGeometry:
+    def _read(self, file: str, place: str) -> _Bitmap:
         image = named_file(self.path.parent, file, place)
         if not image.exists():
             raise MapFormatError(
@@ -365,7 +380,8 @@ class _World:
             free = free[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
         height, width = free.shape
         polygons = grid_polygons(image, free, 1.0)
-        return shapely.transform(polygons, lambda points: points / (width, height) - 0.5)
+        free_space = shapely.transform(polygons, lambda points: points / (width, height) - 0.5)
+        return _Bitmap(free_space, height, width)
 
 
 def _stretched(shape: BaseGeometry, width: float, height: float) -> BaseGeometry:

@@ -1,6 +1,7 @@
 """Well-known text as maps: one or several polygons in metres."""
 
 import re
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -8,6 +9,7 @@ import shapely
 from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
+from multisrt.environments.cleaning import FIXING, Cleaning, repaired, united
 from multisrt.environments.environment import MAX_COORDINATE_M, Environment
 from multisrt.environments.formats.files import (
     build_environment,
@@ -28,6 +30,7 @@ def read_wkt(
     resolution_m: float | None = None,
     threshold: float | None = None,
     name: str | None = None,
+    repair: bool = False,
 ) -> Environment:
     """Read free space from a POLYGON, MULTIPOLYGON or GEOMETRYCOLLECTION of them, in metres.
 
@@ -40,6 +43,8 @@ def read_wkt(
         Refused: the file is in metres and is not an image.
     name : str, optional
         By default the file's name without suffix.
+    repair : bool, optional
+        Whether rings that are open or cross are repaired instead of refused.
 
     Raises
     ------
@@ -49,13 +54,18 @@ def read_wkt(
     """
     refuse_resolution(path, resolution_m)
     refuse_threshold(path, threshold)
-    polygons = _polygons(path, _parsed(path))
-    for number, polygon in enumerate(polygons, start=1):
-        _require_valid(path, number, polygon)
-    return build_environment(path, shapely.union_all(polygons), name=name, origin=path.name)
+    geometry, cleaning = _parsed(path, repair=repair)
+    polygons: list[BaseGeometry] = []
+    for number, polygon in enumerate(_polygons(path, geometry), start=1):
+        _require_valid(path, number, polygon, repair=repair)
+        valid, changed = repaired(polygon)
+        cleaning += changed
+        polygons.append(valid)
+    free, overlaps = united(polygons)
+    return build_environment(path, free, name=name, origin=path.name, cleaning=cleaning + overlaps)
 
 
-def _parsed(path: Path) -> BaseGeometry:
+def _parsed(path: Path, *, repair: bool) -> tuple[BaseGeometry, Cleaning]:
     text = read_text(path)
     signs = np.frombuffer(text.encode(), np.uint8)
     depth = np.cumsum((signs == ord("(")).astype(np.int8) - (signs == ord(")")), dtype=np.int32)
@@ -65,15 +75,21 @@ def _parsed(path: Path) -> BaseGeometry:
         )
     try:
         with np.errstate(invalid="ignore"):  # not a number is refused where it stands
-            return shapely.force_2d(shapely.from_wkt(text))
+            geometry = shapely.from_wkt(text, on_invalid="fix" if repair else "raise")
     except (shapely.errors.ShapelyError, ValueError) as error:
         reason = (
             str(error).removeprefix("ParseException: ").removeprefix("IllegalArgumentException: ")
         )
         raise MapFormatError(
             f"{path} is not well-known text: {reason}; it is POLYGON ((x y, x y, ...), ...), "
-            "MULTIPOLYGON or GEOMETRYCOLLECTION, with every ring closed"
+            f"MULTIPOLYGON or GEOMETRYCOLLECTION, with every ring closed; of open rings {FIXING}"
         ) from error
+    return shapely.force_2d(geometry), Cleaning(closed_rings=_open_rings(text) if repair else 0)
+
+
+def _open_rings(text: str) -> int:
+    rings = (ring.split(",") for ring in re.findall(r"\(([^()]+)\)", text))
+    return sum(ring[0].split() != ring[-1].split() for ring in rings)
 
 
 def _polygons(path: Path, geometry: BaseGeometry) -> list[Polygon]:
@@ -91,7 +107,7 @@ def _polygons(path: Path, geometry: BaseGeometry) -> list[Polygon]:
     return polygons
 
 
-def _require_valid(path: Path, number: int, polygon: Polygon) -> None:
+def _require_valid(path: Path, number: int, polygon: Polygon, *, repair: bool) -> None:
     for ring, line in enumerate((polygon.exterior, *polygon.interiors), start=1):
         points = shapely.get_coordinates(line)
         bad = np.flatnonzero(~(np.abs(points) <= MAX_COORDINATE_M).all(axis=1))
@@ -101,10 +117,10 @@ def _require_valid(path: Path, number: int, polygon: Polygon) -> None:
                 f"{path}, polygon {number}, ring {ring}, position {bad[0] + 1} is ({x:g}, {y:g}); "
                 f"coordinates are finite numbers of metres, at most {MAX_COORDINATE_M:g}"
             )
-    if not polygon.is_valid:
+    if not (polygon.is_valid or repair):
         raise MapFormatError(
             f"{path}, polygon {number} is not valid: {shapely.is_valid_reason(polygon)}; "
-            "draw rings that do not cross"
+            f"draw rings that do not cross, or {FIXING}"
         )
 
 
@@ -118,4 +134,5 @@ WKT = MapFormat(
     suffixes=(".wkt",),
     recognises=_is_wkt,
     read=read_wkt,
+    repair=partial(read_wkt, repair=True),
 )

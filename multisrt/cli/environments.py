@@ -1,4 +1,4 @@
-"""`multisrt environments`: list and draw environments."""
+"""`multisrt environments`: list, draw, check and repair environments."""
 
 from __future__ import annotations
 
@@ -20,6 +20,26 @@ from multisrt.cli.tables import table
 if TYPE_CHECKING:
     from multisrt.environments.environment import Environment
 
+PROBLEM = 1
+"""Exit code if a checked environment has a problem for the body."""
+
+SPECK_M = 0.01
+"""Default of the size of specks that --fix drops, in metres."""
+
+CHECK_EXAMPLES = """
+\b
+Examples:
+  multisrt environments check plan.png --resolution 0.05 --out check.svg
+  multisrt environments check office --footprint box:0.6x0.4
+  multisrt environments check drawn.geojson --fix clean.geojson
+  multisrt environments check scan.yaml --fix scan.wkt --close 0.3
+
+\b
+Exit code:
+  0  the map suits the body        2    bad input, or rings to be fixed
+  1  it does not: 'problem: ...'   130  interrupted
+"""
+
 
 def _meant(words: Sequence[str]) -> Sequence[str]:
     return ("show", *words) if is_world(words[0]) else ()
@@ -28,7 +48,7 @@ def _meant(words: Sequence[str]) -> Sequence[str]:
 @click.group(cls=CommandGroup, meant=_meant, invoke_without_command=True)
 @click.pass_context
 def environments(context: click.Context) -> None:
-    """List the environments of the catalogue and the suites; draw or export one.
+    """List the environments of the catalogue and the suites; draw, check or export one.
 
     A suite has worlds that are kept apart for comparisons: NAME/00, NAME/01 and so on.
 
@@ -38,6 +58,7 @@ def environments(context: click.Context) -> None:
       multisrt environments show hospital --out hospital.svg
       multisrt environments export hospital --out hospital.yaml
       multisrt environments show indoor-30/07
+      multisrt environments check plan.png --resolution 0.05
     """
     if context.invoked_subcommand is not None:
         return
@@ -199,9 +220,131 @@ def _describe(world: Environment, name: str) -> None:
         f"{world.name}: {x1 - x0:.4g} x {y1 - y0:.4g} m, {world.area_m2:.4g} m2 free, "
         f"{len(world.edges)} edges, {areas(world)}"
     )
+    if world.cleaning:
+        click.echo(f"cleaned: {world.cleaning}")
     if said := around(world):
         click.echo(said)
     for entry in catalog():
         if entry.name == name and entry.parameters:
             values = ", ".join(f"{name}={value}" for name, value in entry.parameters)
             click.echo(f"parameters: {values}")
+
+
+@environments.command(epilog=CHECK_EXAMPLES)
+@click.argument("environment", metavar="ENV", shell_complete=candidates.worlds)
+@click.option(
+    "--footprint",
+    default="disc:0.25",
+    show_default=True,
+    help="Body (m): disc:R, box:LxW or 'polygon:x,y x,y ...'.",
+)
+@click.option(
+    "--share",
+    type=click.FloatRange(0.0, 1.0, min_open=True),
+    default=0.95,
+    show_default=True,
+    help="Share of free space that a body is to reach.",
+)
+@click.option(
+    "--out", type=click.Path(path_type=Path), metavar="FILE", help="File for a picture (SVG)."
+)
+@click.option(
+    "--fix",
+    type=click.Path(path_type=Path),
+    metavar="OUT",
+    help="Repair rings, drop specks and vertices that are not needed, and write a clean copy "
+    "(.geojson or .wkt), which is checked.",
+)
+@click.option(
+    "--specks",
+    type=click.FloatRange(0.0),
+    metavar="METRES",
+    help=f"With --fix: drop obstacles and parts up to this size.  [default: {SPECK_M:g}]",
+)
+@click.option(
+    "--close",
+    type=click.FloatRange(0.0),
+    metavar="METRES",
+    help="With --fix: close passages that are narrower.  [default: none]",
+)
+@click.option(
+    "--simplify",
+    type=click.FloatRange(0.0),
+    metavar="METRES",
+    help="With --fix: remove vertices, moving walls by at most this.  [default: on straight "
+    "lines only]",
+)
+@force_option("FILE and OUT")
+@click.option("--resolution", type=float, help="Metres per pixel of an image without its own.")
+@click.option("--threshold", type=float, help="Lightness from 0 to 1 above which a pixel is free.")
+@quiet_option("problems and errors")
+def check(
+    environment: str,
+    *,
+    footprint: str,
+    share: float,
+    out: Path | None,
+    fix: Path | None,
+    force: bool,
+    quiet: bool,
+    **given: Any,
+) -> None:
+    """Check whether a map suits a body, and repair it.
+
+    Reports the size of the map, its separate parts, its narrowest passage, the largest body that
+    gets everywhere, and what is out of reach of the body.
+
+    ENV is a name that 'multisrt environments' lists, or a map file as for 'multisrt explore'.
+    """
+    from multisrt.analysis.map_check import check_map
+    from multisrt.cli.map_report import report
+    from multisrt.drawing import save_map_check_svg
+    from multisrt.exporting import save_environment
+    from multisrt.geometry.bodies.footprint import Footprint
+
+    body = Footprint.parse(footprint)
+    if fix is None and (names := [name for name in ("specks", "close", "simplify") if given[name]]):
+        raise click.UsageError(f"--{names[0]} is for --fix OUT, which is not given")
+    for path in (out, fix):
+        if path is not None:
+            require_place(path, force=force)
+    world = _read(environment, given, repair=fix is not None)
+    if fix is not None:
+        world = _fixed(world, given)
+        save_environment(world, fix, overwrite=force)
+    checked = check_map(world, body, share=share)
+    if out is not None:
+        save_map_check_svg(checked, out)
+    if not quiet:
+        click.echo("\n".join(report(checked)))
+        for path in filter(None, (fix, out)):
+            click.echo(f"written to {path}")
+    for problem in checked.problems:
+        click.echo(f"problem: {problem}", err=quiet)
+    if checked.problems:
+        raise SystemExit(PROBLEM)
+
+
+def _read(name: str, given: dict[str, Any], *, repair: bool) -> Environment:
+    from multisrt.environments.formats import read_environment
+    from multisrt.simulation.worlds import build_environment, environment_spec
+    from multisrt.spec import FileEnvironment
+
+    options = {"resolution_m": given["resolution"], "threshold": given["threshold"]}
+    where = environment_spec(name, **options)
+    if repair and isinstance(where, FileEnvironment):
+        return read_environment(where.path, **options, repair=True)
+    return build_environment(where)
+
+
+def _fixed(world: Environment, given: dict[str, Any]) -> Environment:
+    from multisrt.environments.cleaning import CleaningOptions
+    from multisrt.environments.fixing import fixed
+
+    specks = SPECK_M if given["specks"] is None else given["specks"]
+    return fixed(
+        world,
+        CleaningOptions(
+            speck_m=specks, gap_m=given["close"] or 0.0, tolerance_m=given["simplify"] or 0.0
+        ),
+    )

@@ -157,8 +157,11 @@ def _with_best(values: Sequence[float | None], good: Sequence[bool]) -> list[str
 
 
 def _print_reach(run: Run) -> None:
-    # Why a part of free space is not part of the task: other areas, then the body.
+    # What the reader changed of the map, and why a part of it is not part of the task: other areas,
+    # then the body.
     m, start = run.metrics, run.recording.starts[0]
+    if run.environment.cleaning:
+        click.echo(f"  map cleaned: {run.environment.cleaning}")
     if said := elsewhere(run.environment, start):
         click.echo(f"  {said}")
     area_m2 = run.environment.component(start.x, start.y).area

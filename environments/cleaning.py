@@ -1,0 +1,477 @@
+"""Repairs of free space, and what they changed: rings, overlaps, specks, gaps and vertices.
+
+Every step returns its result and a `Cleaning`; the cleaning of several steps is their sum.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from typing import Final
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from shapely import GeometryType, MultiPolygon, Polygon
+from shapely.geometry.base import BaseGeometry
+
+from multisrt.geometry.errors import InvalidInputError
+
+GeometryArray = NDArray[np.object_]
+
+COLLINEAR_M: Final = 1e-6
+"""Vertices at most this far from the line between their neighbours are not needed, in metres."""
+
+MIN_TOLERANCE_SHARE: Final = 1e-3
+"""Share of the tolerance below which it is not reduced any more."""
+
+ARC_SEGMENTS: Final = 16
+"""Segments of a quarter of a circle, where an area that is grown or shrunk has arcs."""
+
+ROUNDING_M: Final = 1e-6
+"""Gaps are closed that are narrower than stated by more than this, in metres."""
+
+FIXING: Final = "'multisrt environments check FILE --fix OUT' writes a repaired copy"
+"""The remedy that errors about rings name."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cleaning:
+    """What was changed of a map when it was read or repaired.
+
+    Attributes
+    ----------
+    closed_rings : int
+        Number of rings that were open and whose first position was repeated at the end.
+    repaired_polygons : int
+        Number of polygons whose rings crossed or touched themselves or one another.
+    repaired_m2 : float
+        Area in which the repaired polygons differ from their rings filled by the even-odd rule.
+    united_polygons : int
+        Number of polygons of free space that overlapped others.
+    united_m2 : float
+        Area in which they overlapped, counted once less than it was covered.
+    dropped_parts, dropped_obstacles : int
+        Numbers of parts of free space and of obstacles that were dropped as too small.
+    dropped_m2 : float
+        Their area.
+    closed_gaps : int
+        Number of gaps between obstacles that were closed.
+    closed_m2 : float
+        Their area.
+    removed_vertices : int
+        Number of vertices that were repeated or not needed.
+    removed_starts : int
+        Number of suggested starts that were no longer in free space.
+    displacement_m : float
+        Largest distance in metres from a removed vertex to the boundary without it.
+    straightened_m : float
+        Upper bound, in metres, of the distance between the walls and the borders of the cells of
+        a grid or an image.
+
+    Examples
+    --------
+    >>> done = Cleaning(closed_rings=1) + Cleaning(dropped_obstacles=2, dropped_m2=0.001)
+    >>> print(done)
+    1 open ring closed; 2 obstacles dropped as too small (0.001 m2)
+    >>> bool(done), bool(Cleaning())
+    (True, False)
+    """
+
+    closed_rings: int = 0
+    repaired_polygons: int = 0
+    repaired_m2: float = 0.0
+    united_polygons: int = 0
+    united_m2: float = 0.0
+    dropped_parts: int = 0
+    dropped_obstacles: int = 0
+    dropped_m2: float = 0.0
+    closed_gaps: int = 0
+    closed_m2: float = 0.0
+    removed_vertices: int = 0
+    removed_starts: int = 0
+    displacement_m: float = 0.0
+    straightened_m: float = 0.0
+
+    def __bool__(self) -> bool:
+        """Return whether anything was changed."""
+        return self != Cleaning()
+
+    def __add__(self, other: Cleaning) -> Cleaning:
+        """Return the cleaning of both, one after the other: distances add up as numbers do."""
+        summed = {
+            field.name: getattr(self, field.name) + getattr(other, field.name)
+            for field in fields(self)
+        }
+        return Cleaning(**summed)
+
+    def __str__(self) -> str:
+        """Return what was changed as text on one line; empty if nothing was."""
+        dropped = " and ".join(
+            _counted(number, what)
+            for number, what in (
+                (self.dropped_parts, "part of free space"),
+                (self.dropped_obstacles, "obstacle"),
+            )
+            if number
+        )
+        moved = f", moved by up to {_metres(self.displacement_m)}" if self.displacement_m else ""
+        said = (
+            (self.straightened_m, f"walls straightened within {_metres(self.straightened_m)}"),
+            (self.closed_rings, f"{_counted(self.closed_rings, 'open ring')} closed"),
+            (
+                self.repaired_polygons,
+                f"{_counted(self.repaired_polygons, 'polygon')} repaired that crossed "
+                f"{'itself' if self.repaired_polygons == 1 else 'themselves'} "
+                f"({_area(self.repaired_m2)} changed)",
+            ),
+            (
+                self.united_polygons,
+                f"{self.united_polygons} overlapping polygons united ({_area(self.united_m2)})",
+            ),
+            (dropped, f"{dropped} dropped as too small ({_area(self.dropped_m2)})"),
+            (
+                self.closed_gaps,
+                f"{_counted(self.closed_gaps, 'narrow gap')} closed ({_area(self.closed_m2)})",
+            ),
+            (
+                self.removed_vertices,
+                f"{_counted(self.removed_vertices, 'vertex', 'vertices')} removed{moved}",
+            ),
+            (
+                self.removed_starts,
+                f"{_counted(self.removed_starts, 'suggested start')} removed as no longer free",
+            ),
+        )
+        return "; ".join(text for happened, text in said if happened)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CleaningOptions:
+    """What is repaired of free space beyond its rings.
+
+    Attributes
+    ----------
+    speck_m : float
+        Parts of free space and obstacles are dropped if the longer side of their bounding box is
+        at most this, in metres.
+    gap_m : float
+        Passages between obstacles that are narrower are closed, in metres.
+    tolerance_m : float
+        Vertices are removed that are at most this far from the boundary without them, in metres.
+
+    Raises
+    ------
+    InvalidInputError
+        If a length is negative or not finite.
+    """
+
+    speck_m: float = 0.0
+    gap_m: float = 0.0
+    tolerance_m: float = 0.0
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if not (math.isfinite(value) and value >= 0.0):
+                raise InvalidInputError(
+                    f"{field.name} is {value:g}; it is a length in metres, at least 0"
+                )
+
+
+def closed_ring(
+    positions: Sequence[tuple[float, float]],
+) -> tuple[list[tuple[float, float]], Cleaning]:
+    """Return the positions of a ring with the first one repeated at the end.
+
+    Parameters
+    ----------
+    positions : sequence of (x, y)
+        The positions in metres, at least one.
+
+    Examples
+    --------
+    >>> closed_ring([(0, 0), (4, 0), (4, 3)])[0]
+    [(0, 0), (4, 0), (4, 3), (0, 0)]
+    """
+    if positions[0] == positions[-1]:
+        return list(positions), Cleaning()
+    return [*positions, positions[0]], Cleaning(closed_rings=1)
+
+
+def repaired(polygon: Polygon) -> tuple[BaseGeometry, Cleaning]:
+    """Return a polygon whose rings do not cross: loops are united, and holes cut out.
+
+    Parameters
+    ----------
+    polygon : Polygon
+        The polygon, in metres, with finite coordinates.
+
+    Returns
+    -------
+    geometry : Polygon or MultiPolygon
+        The polygon itself if it is valid; empty if it has no area.
+    cleaning : Cleaning
+        What was changed.
+
+    Examples
+    --------
+    Two triangles of 1 m2, drawn as a bow tie in one ring:
+
+    >>> bow = Polygon([(0, 0), (2, 2), (2, 0), (0, 2)])
+    >>> tie, cleaning = repaired(bow)
+    >>> tie.area, str(cleaning)
+    (2.0, '1 polygon repaired that crossed itself (0 m2 changed)')
+
+    Notes
+    -----
+    Source: GEOS, MakeValid with the method "structure".
+    """
+    if polygon.is_valid:
+        return polygon, Cleaning()
+    valid = areas(shapely.make_valid(polygon, method="structure", keep_collapsed=False))
+    even_odd = areas(shapely.make_valid(polygon, method="linework"))
+    changed = float(valid.symmetric_difference(even_odd).area)
+    return valid, Cleaning(repaired_polygons=1, repaired_m2=changed)
+
+
+def united(polygons: Sequence[BaseGeometry]) -> tuple[BaseGeometry, Cleaning]:
+    """Return the union of polygons, and how many of them overlapped others.
+
+    Parameters
+    ----------
+    polygons : sequence of Polygon or MultiPolygon
+        Valid polygons. Those that only touch do not overlap.
+
+    Examples
+    --------
+    >>> rooms = [shapely.box(0, 0, 3, 2), shapely.box(2, 0, 5, 2), shapely.box(5, 0, 6, 2)]
+    >>> space, cleaning = united(rooms)
+    >>> space.area, str(cleaning)
+    (12.0, '2 overlapping polygons united (2 m2)')
+    """
+    union = shapely.union_all(polygons)
+    if len(polygons) < 2:
+        return union, Cleaning()
+    shapes = np.asarray(polygons, np.object_)
+    first, second = shapely.STRtree(shapes).query(shapes, predicate="intersects")
+    once = first < second
+    first, second = first[once], second[once]
+    overlaps = shapely.relate_pattern(shapes[first], shapes[second], "T********")
+    involved = np.union1d(first[overlaps], second[overlaps])
+    if not involved.size:
+        return union, Cleaning()
+    twice = shapely.area(shapes[involved]).sum() - shapely.union_all(shapes[involved]).area
+    return union, Cleaning(united_polygons=len(involved), united_m2=max(0.0, float(twice)))
+
+
+def areas(geometry: BaseGeometry) -> MultiPolygon:
+    """Return the polygons of a geometry, without its points and lines."""
+    return MultiPolygon(list(polygons_of(geometry)))
+
+
+def polygons_of(geometry: BaseGeometry) -> GeometryArray:
+    """Return the polygons of a geometry, which may be a collection of several kinds."""
+    parts = shapely.get_parts(shapely.get_parts(geometry))
+    polygons: GeometryArray = parts[
+        (shapely.get_type_id(parts) == GeometryType.POLYGON) & ~shapely.is_empty(parts)
+    ]
+    return polygons
+
+
+def without_slivers(parts: GeometryArray, width_m: float) -> tuple[MultiPolygon, Cleaning]:
+    """Return polygons without those, and without holes, that are nowhere as wide as stated.
+
+    Parameters
+    ----------
+    parts : array of Polygon
+        Valid polygons that do not overlap.
+    width_m : float
+        The width in metres.
+
+    Examples
+    --------
+    >>> hall = shapely.box(0, 0, 4, 3) - shapely.box(1, 1, 1.0004, 2)
+    >>> space, cleaning = without_slivers(np.array([hall]), 1e-3)
+    >>> len(space.geoms[0].interiors), str(cleaning)
+    (0, '1 obstacle dropped as too small (0.0004 m2)')
+    """
+    thin = _are_slivers(parts, width_m)
+    kept = parts[~thin]
+    holed = np.flatnonzero(shapely.get_num_interior_rings(kept))
+    rings, owner = shapely.get_rings(kept[holed], return_index=True)
+    # The first ring of each polygon is its outline.
+    is_hole = np.zeros(len(rings), np.bool_)
+    is_hole[1:] = owner[1:] == owner[:-1]
+    holes = np.asarray(shapely.polygons(rings[is_hole]), np.object_)
+    thin_holes = _are_slivers(holes, width_m)
+    stays = np.ones(len(rings), np.bool_)
+    stays[np.flatnonzero(is_hole)[thin_holes]] = False
+    for number in np.unique(owner[~stays]):
+        shell, *inner = rings[(owner == number) & stays]
+        kept[holed[number]] = Polygon(shell, inner)
+    return MultiPolygon(list(kept)), Cleaning(
+        dropped_parts=int(thin.sum()),
+        dropped_obstacles=int(thin_holes.sum()),
+        dropped_m2=float(shapely.area(parts[thin]).sum() + shapely.area(holes[thin_holes]).sum()),
+    )
+
+
+def _are_slivers(parts: GeometryArray, width_m: float) -> NDArray[np.bool_]:
+    # An erosion removes at most a strip along the boundary and a sector at each hole. A part
+    # with more area than that is not a sliver, so that large parts need no erosion.
+    radius = width_m / 2
+    holes = shapely.get_num_interior_rings(parts)
+    thin: NDArray[np.bool_] = (
+        shapely.area(parts) <= radius * shapely.length(parts) + holes * math.pi * radius**2
+    )
+    thin[thin] = shapely.is_empty(shapely.buffer(parts[thin], -radius))
+    return thin
+
+
+def cleaned(free: BaseGeometry, options: CleaningOptions) -> tuple[MultiPolygon, Cleaning]:
+    """Return free space without narrow gaps, specks and vertices that are not needed.
+
+    Parameters
+    ----------
+    free : Polygon or MultiPolygon
+        Valid free space, in metres.
+    options : CleaningOptions
+        What is removed. Repeated and collinear vertices always are.
+
+    Returns
+    -------
+    free : MultiPolygon
+        Valid free space; it may be empty.
+    cleaning : Cleaning
+        What was changed.
+
+    Examples
+    --------
+    >>> walls = [shapely.box(4, 0, 5, 1.8), shapely.box(4, 2, 5, 4), shapely.box(1, 1, 1.02, 1.03)]
+    >>> hall = shapely.box(0, 0, 9, 4) - shapely.union_all(walls)
+    >>> space, cleaning = cleaned(hall, CleaningOptions(speck_m=0.05, gap_m=0.3))
+    >>> len(space.geoms), cleaning.closed_gaps, round(cleaning.closed_m2, 2)
+    (2, 1, 0.19)
+    >>> cleaning.dropped_obstacles
+    1
+    """
+    space, gaps = _without_gaps(areas(free), options.gap_m)
+    space, specks = _without_specks(space, options.speck_m)
+    space, vertices = _without_vertices(space, options.tolerance_m)
+    return space, gaps + specks + vertices
+
+
+def _without_gaps(free: MultiPolygon, gap_m: float) -> tuple[MultiPolygon, Cleaning]:
+    """Close the places that no disc covers and that lie between places that discs do."""
+    radius = gap_m / 2.0 - ROUNDING_M
+    if radius <= 0.0:
+        return free, Cleaning()
+    roomy = shapely.buffer(
+        shapely.buffer(free, -radius, quad_segs=ARC_SEGMENTS), radius, quad_segs=ARC_SEGMENTS
+    )
+    # A corner or a nook borders on the roomy places once, a gap twice or more.
+    narrow = polygons_of(free.difference(shapely.buffer(roomy, ROUNDING_M)))
+    narrow = narrow[shapely.area(narrow) > ROUNDING_M * gap_m]
+    walls = shapely.buffer(free.boundary, 2.0 * ROUNDING_M, quad_segs=1)
+    mouths = shapely.difference(shapely.boundary(narrow), walls)
+    is_gap = np.array([_number_of_lines(mouth) > 1 for mouth in mouths], np.bool_)
+    if not is_gap.any():
+        return free, Cleaning()
+    # Grown a little, so that no crack of free space stays beside them.
+    closed = shapely.union_all(narrow[is_gap]).buffer(4.0 * ROUNDING_M, join_style="mitre")
+    space = areas(free.difference(closed))
+    return space, Cleaning(
+        closed_gaps=int(is_gap.sum()), closed_m2=float(free.area) - float(space.area)
+    )
+
+
+def _number_of_lines(geometry: BaseGeometry) -> int:
+    return len(shapely.get_parts(shapely.line_merge(geometry)))
+
+
+def _without_specks(free: MultiPolygon, speck_m: float) -> tuple[MultiPolygon, Cleaning]:
+    """Drop parts and holes whose bounding box is small."""
+    parts = polygons_of(free)
+    large = _extents(parts) > speck_m
+    kept, obstacles, area = [], 0, float(shapely.area(parts[~large]).sum())
+    for part in parts[large]:
+        holes = np.asarray(part.interiors, np.object_)
+        stays = _extents(holes) > speck_m
+        dropped = shapely.area(shapely.polygons(holes[~stays])).sum() if len(holes) else 0.0
+        area += float(dropped)
+        obstacles += int((~stays).sum())
+        kept.append(Polygon(part.exterior, holes[stays].tolist()) if (~stays).any() else part)
+    return MultiPolygon(kept), Cleaning(
+        dropped_parts=int((~large).sum()), dropped_obstacles=obstacles, dropped_m2=area
+    )
+
+
+def _extents(shapes: GeometryArray) -> NDArray[np.float64]:
+    bounds = shapely.bounds(shapes).reshape(-1, 4)
+    extents: NDArray[np.float64] = (bounds[:, 2:] - bounds[:, :2]).max(axis=1, initial=0.0)
+    return extents
+
+
+def _without_vertices(free: MultiPolygon, tolerance_m: float) -> tuple[MultiPolygon, Cleaning]:
+    """Remove vertices of the boundary, such that it keeps its topology."""
+    before = shapely.get_coordinates(free)
+    bound, share = max(tolerance_m, COLLINEAR_M), 1.0
+    while True:
+        simple = _simplified(free, share * bound)
+        boundary = simple.boundary
+        shapely.prepare(boundary)
+        distance = float(shapely.distance(shapely.points(before), boundary).max())
+        # Where a ring starts, distances of vertices removed one after the other add up.
+        if distance <= bound + COLLINEAR_M or share < MIN_TOLERANCE_SHARE:
+            break
+        share /= 2.0
+    after = shapely.get_coordinates(simple)
+    if len(after) == len(before):
+        return free, Cleaning()
+    rings = shapely.get_rings(polygons_of(free)), shapely.get_rings(polygons_of(simple))
+    return simple, Cleaning(
+        removed_vertices=len(before) - len(rings[0]) - len(after) + len(rings[1]),
+        displacement_m=distance if distance > 2.0 * COLLINEAR_M else 0.0,
+    )
+
+
+def _simplified(free: MultiPolygon, tolerance_m: float) -> MultiPolygon:
+    simple = shapely.simplify(free, tolerance_m, preserve_topology=True)
+    # The first vertex of a ring always stays: start each ring at another one.
+    turned = areas(_with_rings_turned(simple))
+    simple = areas(shapely.simplify(turned, COLLINEAR_M, preserve_topology=True))
+    if not simple.is_valid:  # rings that a removed vertex left touching
+        simple = areas(shapely.make_valid(simple, method="structure", keep_collapsed=False))
+    return simple
+
+
+def _with_rings_turned(free: BaseGeometry) -> BaseGeometry:
+    def turned(ring: BaseGeometry) -> NDArray[np.float64]:
+        corners = shapely.get_coordinates(ring)[:-1]
+        corners = np.roll(corners, len(corners) // 2, axis=0)
+        return np.vstack([corners, corners[:1]])
+
+    return MultiPolygon(
+        [
+            Polygon(turned(part.exterior), [turned(hole) for hole in part.interiors])
+            for part in polygons_of(free)
+        ]
+    )
+
+
+def _counted(number: int, what: str, several: str = "") -> str:
+    if number == 1:
+        return f"1 {what}"
+    if what.startswith("part "):
+        return f"{number} parts{what.removeprefix('part')}"
+    return f"{number} {several or what + 's'}"
+
+
+def _area(square_metres: float) -> str:
+    return f"{square_metres:.3g} m2" if square_metres < 100.0 else f"{square_metres:.0f} m2"
+
+
+def _metres(metres: float) -> str:
+    return f"{metres:.3g} m"

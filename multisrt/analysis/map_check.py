@@ -1,0 +1,244 @@
+"""Whether a world suits a body: its separate parts, its narrow passages, what is out of reach."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import shapely
+from shapely import Polygon
+
+from multisrt.analysis.clearance_tree import (
+    CORNER_SHARE,
+    LargestBody,
+    Passage,
+    clearance_tree,
+)
+from multisrt.environments.cleaning import CleaningOptions, cleaned
+from multisrt.environments.environment import Environment
+from multisrt.environments.pieces import Enclosing, enclosing, pieces
+from multisrt.geometry.bodies.footprint import Footprint
+from multisrt.geometry.errors import InvalidInputError
+
+SHARE: Final = 0.95
+"""Default of the share of free space that a body is to reach."""
+
+MIN_MAIN_SHARE: Final = 0.9
+"""Share of free space; if less is in the part that is explored, the check says so."""
+
+MIN_BEYOND_M2: Final = 1.0
+"""Least area behind a passage that is listed, in square metres."""
+
+MIN_BEYOND_SHARE: Final = 0.01
+"""The same as a share of the part, if that is less."""
+
+ARC_ERROR_M: Final = 1e-4
+"""Upper bound of the distance between arcs and the chords in their place, in metres."""
+
+ROUNDING_M: Final = 1e-6
+"""Bodies are smaller by this: a gap that just fits lets them through."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MapCheck:
+    """What `check_map` found.
+
+    Attributes
+    ----------
+    environment : Environment
+        The world.
+    footprint : Footprint
+        The body. Of a body that is no disc, the inscribed disc is checked, which passes wherever
+        the body does.
+    share : float
+        Share of free space that a body is to reach.
+    parts : tuple of Polygon
+        The separate parts of free space, the largest first.
+    around : Enclosing or None
+        The part that lies around others, as the paper around a floor plan.
+    main : Polygon
+        The part that is checked: that of the first suggested start, or else the largest that does
+        not lie around others.
+    start_parts : tuple of int
+        Number of the part, from 0, that each suggested start is in.
+    superfluous_vertices : int
+        Number of vertices that lie on the line between their neighbours.
+    passages : tuple of Passage
+        Passages of the main part with something behind them, the narrowest first.
+    largest : LargestBody
+        The largest disc that reaches the stated share of the main part.
+    reachable : tuple of Polygon
+        Positions that the reference point of the body can reach in the main part.
+    unreachable : tuple of Polygon
+        Areas of the main part that the body does not get to, the largest first. What is left
+        over in corners of a right angle or more is not among them.
+    """
+
+    environment: Environment
+    footprint: Footprint
+    share: float
+    parts: tuple[Polygon, ...]
+    around: Enclosing | None
+    main: Polygon
+    start_parts: tuple[int, ...]
+    superfluous_vertices: int
+    passages: tuple[Passage, ...]
+    largest: LargestBody
+    reachable: tuple[Polygon, ...]
+    unreachable: tuple[Polygon, ...]
+
+    @property
+    def reached_share(self) -> float:
+        """Share of the main part that the body gets to."""
+        if not self.reachable:
+            return 0.0
+        left = sum(area.area for area in self.unreachable)
+        return max(0.0, 1.0 - left / self.main.area)
+
+    @property
+    def blocking(self) -> tuple[Passage, ...]:
+        """The passages that the body does not pass, the narrowest first."""
+        width = 2.0 * (self.footprint.inscribed_radius_m - ROUNDING_M)
+        return tuple(passage for passage in self.passages if passage.width_m < width)
+
+    @property
+    def problems(self) -> tuple[str, ...]:
+        """What is wrong for the body, in words; empty if nothing is."""
+        return tuple(filter(None, (self._in_parts(), self._out_of_reach(), *self._of_starts())))
+
+    def _in_parts(self) -> str:
+        share = self.main.area / self.environment.area_m2
+        if share >= MIN_MAIN_SHARE:
+            return ""
+        said = f"only {100.0 * share:.1f} % of free space is in one part with "
+        said += "the suggested start" if self.environment.starts else place_in(self.main)
+        if self.around is not None and self.around.area is not self.main:
+            return f"{said}; the area around the walls is free, too: make it occupied"
+        return f"{said}: open doors between the parts, or leave the other parts out"
+
+    def _out_of_reach(self) -> str:
+        if not self.reachable:
+            return (
+                f"the body {self.footprint} fits nowhere in the main part: the largest disc there "
+                f"has a radius of {self.largest.radius_m:.3g} m"
+            )
+        if self.reached_share >= self.share:
+            return ""
+        return (
+            f"the body {self.footprint} gets to {100.0 * self.reached_share:.1f} % of the main "
+            "part: take a smaller body, or widen passages"
+        )
+
+    def _of_starts(self) -> list[str]:
+        found = []
+        radius = self.footprint.inscribed_radius_m - ROUNDING_M
+        for (x, y), number in zip(self.environment.starts, self.start_parts, strict=True):
+            if number != self.start_parts[0]:
+                found.append(
+                    f"the suggested start ({x:g}, {y:g}) is in another part than the first"
+                )
+            elif (clearance := self.environment.clearance(x, y)) < radius:
+                found.append(
+                    f"at the suggested start ({x:g}, {y:g}) the body {self.footprint} does not "
+                    f"fit: the nearest wall is at {clearance:.3g} m"
+                )
+        return found
+
+
+def check_map(environment: Environment, footprint: Footprint, *, share: float = SHARE) -> MapCheck:
+    """Return whether a world suits a body, and where it does not.
+
+    Parameters
+    ----------
+    environment : Environment
+        The world.
+    footprint : Footprint
+        The body.
+    share : float, optional
+        Share of the main part that a body is to reach, above 0 and at most 1.
+
+    Returns
+    -------
+    MapCheck
+
+    Raises
+    ------
+    InvalidInputError
+        If the share is out of range.
+
+    Examples
+    --------
+    Two rooms of 4 x 4 m with a door of 0.4 m:
+
+    >>> wall = shapely.box(4, 0, 4.2, 1.8) | shapely.box(4, 2.2, 4.2, 4)
+    >>> rooms = Environment("two rooms", shapely.box(0, 0, 8.2, 4) - wall)
+    >>> check = check_map(rooms, Footprint.disc(0.25))
+    >>> round(check.largest.radius_m, 6), round(check.reached_share, 2)
+    (0.2, 0.5)
+    >>> print(*check.problems)
+    the body disc:0.25 gets to 50.0 % of the main part: take a smaller body, or widen passages
+    """
+    if not 0.0 < share <= 1.0:
+        raise InvalidInputError(f"the share is {share:g}; it is above 0 and at most 1")
+    parts, around = pieces(environment), enclosing(environment)
+    inside = [part for part in parts if around is None or part is not around.area]
+    main = environment.component(*environment.starts[0]) if environment.starts else inside[0]
+    tree = clearance_tree(main)
+    reachable = _reachable(environment, main, footprint.inscribed_radius_m)
+    _, cleaning = cleaned(environment.free, CleaningOptions())
+    return MapCheck(
+        environment=environment,
+        footprint=footprint,
+        share=share,
+        parts=parts,
+        around=around,
+        main=main,
+        start_parts=tuple(
+            parts.index(environment.component(*start)) for start in environment.starts
+        ),
+        superfluous_vertices=cleaning.removed_vertices,
+        passages=tree.passages(min(MIN_BEYOND_M2, MIN_BEYOND_SHARE * main.area)),
+        largest=tree.largest_body(share),
+        reachable=reachable,
+        unreachable=_unreachable(main, reachable, footprint.inscribed_radius_m),
+    )
+
+
+def place_in(area: Polygon) -> str:
+    """Return a place inside an area as text, in metres."""
+    point = shapely.point_on_surface(area)
+    return f"({point.x:.2f}, {point.y:.2f})"
+
+
+def _reachable(environment: Environment, main: Polygon, radius_m: float) -> tuple[Polygon, ...]:
+    # From the first suggested start, or else where a body reaches most.
+    room = main.buffer(ROUNDING_M - radius_m, quad_segs=_segments(radius_m))
+    areas = [area for area in shapely.get_parts(room) if not area.is_empty]
+    if not areas:
+        return ()
+    if not environment.starts:
+        return (max(areas, key=lambda area: float(area.area)),)
+    start = shapely.Point(environment.starts[0])
+    return (min(areas, key=lambda area: float(area.distance(start))),)
+
+
+def _unreachable(
+    main: Polygon, reachable: tuple[Polygon, ...], radius_m: float
+) -> tuple[Polygon, ...]:
+    if not reachable:
+        return (main,)
+    swept = reachable[0].buffer(radius_m, quad_segs=_segments(radius_m))
+    left = shapely.get_parts(main.difference(swept))
+    areas = [
+        area
+        for area in left[shapely.area(left) > CORNER_SHARE * radius_m**2]
+        if area.geom_type == "Polygon"
+    ]
+    return tuple(sorted(areas, key=lambda area: -float(area.area)))
+
+
+def _segments(radius_m: float) -> int:
+    # Of a quarter of a circle.
+    half = math.acos(max(0.0, 1.0 - ARC_ERROR_M / radius_m))
+    return max(4, math.ceil(math.pi / 4.0 / half))

@@ -1,0 +1,127 @@
+"""What the check of a map found, in words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
+
+from multisrt.cli.reach import MAX_AREAS, areas, around
+
+if TYPE_CHECKING:
+    from shapely import Polygon
+
+    from multisrt.analysis.clearance_tree import Passage
+    from multisrt.analysis.map_check import MapCheck
+
+MAX_PASSAGES = 5
+"""Number of passages, or groups of equally wide ones, that are listed."""
+
+MAX_PLACES = 3
+"""Number of places that are named of equally wide passages."""
+
+
+def report(check: MapCheck) -> Iterator[str]:
+    """Return the lines that describe a world and how it suits a body.
+
+    Parameters
+    ----------
+    check : MapCheck
+        The check of the world.
+
+    Examples
+    --------
+    >>> import shapely
+    >>> from multisrt.analysis.map_check import check_map
+    >>> from multisrt.environments.environment import Environment
+    >>> from multisrt.geometry.bodies.footprint import Footprint
+    >>> wall = shapely.box(4, 0, 4.2, 1.8) | shapely.box(4, 2.2, 4.2, 4)
+    >>> rooms = Environment("two rooms", shapely.box(0, 0, 8.2, 4) - wall)
+    >>> for line in report(check_map(rooms, Footprint.disc(0.25))):
+    ...     print(line.replace(": a disc", ":\\n  a disc"))
+    two rooms: 8.2 x 4 m, 32.08 m2 free, 12 vertices
+    parts: 1 area
+    narrowest passage: 0.4 m wide at (4.07, 2.00), 16.03 m2 behind it
+    largest body that gets to 95 % of it:
+      a disc of 0.2 m in radius, limited by the passage at (4.07, 2.00)
+    the body disc:0.25 gets to 50 % of it; out of reach: 16.1 m2 at (6.15, 2.00)
+    the passage at (4.07, 2.00) is 0.4 m wide: bodies up to 0.2 m in radius pass
+    """
+    world = check.environment
+    x0, y0, x1, y1 = world.bounds
+    vertices = f"{len(world.edges)} vertices"
+    if check.superfluous_vertices:
+        vertices += f", {check.superfluous_vertices} of them on straight lines"
+    yield (
+        f"{world.name}: {x1 - x0:.4g} x {y1 - y0:.4g} m, {world.area_m2:.4g} m2 free, {vertices}"
+    )
+    if world.cleaning:
+        yield f"cleaned: {world.cleaning}"
+    yield f"parts: {areas(world)}{_of_starts(check)}"
+    if said := around(world):
+        yield said
+    here = "it" if len(check.parts) == 1 else f"the part of {check.main.area:.4g} m2"
+    if check.passages:
+        first = check.passages[0]
+        yield (
+            f"narrowest passage: {_m(first.width_m)} wide at {_place(first)}, "
+            f"{first.beyond_m2:.4g} m2 behind it"
+        )
+    else:
+        yield "narrowest passage: none, it is nowhere narrower than on both sides"
+    limit = check.largest.limit
+    why = f"limited by the passage at {_place(limit)}" if limit else "limited by narrow places"
+    yield (
+        f"largest body that gets to {100.0 * check.share:.3g} % of {here}: a disc of "
+        f"{_m(check.largest.radius_m)} in radius, {why}"
+    )
+    reached = f"the body {check.footprint} gets to {100.0 * check.reached_share:.3g} % of {here}"
+    yield reached + (f"; out of reach: {_listed(check.unreachable)}" if check.unreachable else "")
+    yield from _blocking(check.blocking)
+
+
+def _of_starts(check: MapCheck) -> str:
+    if not check.start_parts:
+        return ""
+    used = sorted(set(check.start_parts))
+    if len(check.parts) == 1:
+        return ", with all suggested starts"
+    sizes = ", ".join(f"{check.parts[number].area:.4g}" for number in used)
+    return f"; the suggested starts are in {'that' if len(used) == 1 else 'those'} of {sizes} m2"
+
+
+def _listed(found: Sequence[Polygon]) -> str:
+    from multisrt.analysis.map_check import place_in
+
+    text = ", ".join(f"{area.area:.3g} m2 at {place_in(area)}" for area in found[:MAX_AREAS])
+    rest = found[MAX_AREAS:]
+    if not rest:
+        return text
+    return f"{text}, and {sum(area.area for area in rest):.3g} m2 in {len(rest)} other places"
+
+
+def _blocking(passages: Sequence[Passage]) -> Iterator[str]:
+    by_width: dict[str, list[Passage]] = {}
+    for passage in passages:
+        by_width.setdefault(_m(passage.width_m), []).append(passage)
+    # The widest first: of those that are too narrow, they are the easiest to pass.
+    for width, group in list(reversed(by_width.items()))[:MAX_PASSAGES]:
+        places = ", ".join(_place(passage) for passage in group[:MAX_PLACES])
+        if more := len(group[MAX_PLACES:]):
+            places += f" and {more} other{'s' * (more > 1)}"
+        several = len(group) > 1
+        yield (
+            f"the passage{'s' * several} at {places} {'are' if several else 'is'} {width} wide: "
+            f"bodies up to {_m(group[0].width_m / 2.0)} in radius pass"
+        )
+    if len(by_width) > MAX_PASSAGES:
+        more = sum(len(group) for group in list(by_width.values())[:-MAX_PASSAGES])
+        yield f"{more} other passages are narrower"
+
+
+def _place(passage: Passage) -> str:
+    x, y = passage.centre
+    return f"({x:.2f}, {y:.2f})"
+
+
+def _m(metres: float) -> str:
+    return f"{metres:.3g} m"

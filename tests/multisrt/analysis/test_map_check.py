@@ -1,0 +1,82 @@
+import pytest
+import shapely
+from shapely import box
+
+from multisrt.analysis.map_check import check_map
+from multisrt.environments.environment import Environment
+from multisrt.geometry.bodies.footprint import Footprint
+from multisrt.geometry.errors import InvalidInputError
+
+BODY = Footprint.disc(0.25)
+WALL = box(4, 0, 4.2, 1.8) | box(4, 2.2, 4.2, 4)
+ROOMS = box(0, 0, 8.2, 4) - WALL
+
+
+def test_a_hall_suits_a_body():
+    check = check_map(Environment("hall", box(0, 0, 8, 4), starts=[(1, 1)]), BODY)
+    assert check.problems == ()
+    assert check.unreachable == ()
+    assert check.reached_share == 1.0
+
+
+def test_a_room_behind_a_narrow_door_is_out_of_reach():
+    check = check_map(Environment("rooms", ROOMS, starts=[(6, 2)]), BODY)
+    (room,) = check.unreachable
+    # The room at the left, the door, and what the disc leaves of the door on its side.
+    assert room.area == pytest.approx(16.08, abs=0.03)
+    assert room.contains(shapely.Point(1, 1))
+    assert check.reached_share == pytest.approx(1 - room.area / ROOMS.area)
+    (door,) = check.blocking
+    assert door.width_m == pytest.approx(0.4)
+    (problem,) = check.problems
+    assert "gets to 50.0 %" in problem
+
+
+def test_a_body_as_wide_as_the_door_passes():
+    check = check_map(Environment("rooms", ROOMS), Footprint.disc(0.2))
+    assert check.unreachable == ()
+    assert check.blocking == ()
+
+
+def test_a_box_is_checked_by_its_inscribed_disc():
+    check = check_map(Environment("rooms", ROOMS), Footprint.parse("box:1x0.39"))
+    assert check.reached_share == 1.0
+
+
+def test_a_body_that_fits_nowhere_is_a_problem():
+    check = check_map(Environment("hall", box(0, 0, 8, 4)), Footprint.disc(2.1))
+    assert check.reached_share == 0.0
+    assert "fits nowhere" in check.problems[0]
+    assert "radius of 2 m" in check.problems[0]
+
+
+def test_starts_in_other_parts_or_beside_walls_are_problems():
+    two = shapely.union_all([box(0, 0, 8, 4), box(9, 0, 9.5, 1)])
+    world = Environment("two", two, starts=[(1, 1), (9.2, 0.5), (7.9, 2)])
+    check = check_map(world, BODY)
+    assert check.start_parts == (0, 1, 0)
+    assert check.problems == (
+        "the suggested start (9.2, 0.5) is in another part than the first",
+        "at the suggested start (7.9, 2) the body disc:0.25 does not fit: "
+        "the nearest wall is at 0.1 m",
+    )
+
+
+def test_equal_parts_are_a_problem_and_the_first_start_chooses():
+    two = shapely.union_all([box(0, 0, 4, 4), box(5, 0, 10, 4)])
+    check = check_map(Environment("two", two, starts=[(1, 1)]), BODY)
+    assert check.main.area == 16.0
+    assert "only 44.4 % of free space" in check.problems[0]
+
+
+def test_paper_around_a_building_is_not_the_main_part():
+    wall = box(1, 1, 9, 9) - box(2, 2, 8, 8)
+    check = check_map(Environment.from_outline("plan", box(0, 0, 10, 10), [wall]), BODY)
+    assert check.main.area == 36.0
+    assert "the area around the walls is free, too" in check.problems[0]
+
+
+@pytest.mark.parametrize("share", [0.0, -1.0, 1.1, float("nan")])
+def test_shares_out_of_range_are_refused(share):
+    with pytest.raises(InvalidInputError, match="share"):
+        check_map(Environment("hall", box(0, 0, 8, 4)), BODY, share=share)

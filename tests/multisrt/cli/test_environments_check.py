@@ -1,0 +1,116 @@
+import json
+import re
+import xml.etree.ElementTree as ET
+
+from multisrt.environments.formats import read_environment
+
+BOW = "POLYGON ((0 0, 4 4, 4 0, 0 4))"
+
+
+def test_a_map_that_suits_the_body_exits_with_0(call):
+    code, out, err = call("environments", "check", "pillar.wkt")
+    assert (code, err) == (0, "")
+    assert out.splitlines()[:2] == [
+        "pillar: 9 x 6 m, 50 m2 free, 8 vertices",
+        "parts: 1 area",
+    ]
+    assert "the body disc:0.25 gets to 100 % of it" in out
+
+
+def test_a_narrow_door_is_a_problem(call, folder):
+    code, out, err = call("environments", "check", "narrow.wkt", "--out", "narrow.svg")
+    assert (code, err) == (1, "")
+    assert re.search(r"narrowest passage: 0.4 m wide at \(6.[012]., 2.20\), 30.\d+ m2", out)
+    assert "is 0.4 m wide: bodies up to 0.2 m in radius pass" in out
+    assert "\nproblem: the body disc:0.25 gets to 50.0 % of the main part" in out
+    assert ET.parse(folder / "narrow.svg").getroot().tag.endswith("svg")
+    assert call("environments", "check", "narrow.wkt", "--footprint", "disc:0.2")[0] == 0
+
+
+def test_quiet_prints_problems_only(call):
+    code, out, err = call("environments", "check", "narrow.wkt", "--quiet")
+    assert (code, out) == (1, "")
+    assert err.startswith("problem: ")
+    assert err.count("\n") == 1
+
+
+def test_a_share_decides_what_is_everywhere(call):
+    assert call("environments", "check", "narrow.wkt", "--share", "0.4")[0] == 0
+
+
+def test_fix_writes_a_clean_copy_beside_the_original(call, folder):
+    path = folder / "bow.wkt"
+    path.write_text(BOW)
+    code, _, err = call("environments", "check", "bow.wkt")
+    assert code == 2
+    assert "'multisrt environments check FILE --fix OUT' writes a repaired copy" in err
+    code, out, _ = call("environments", "check", "bow.wkt", "--fix", "bow.geojson")
+    assert code == 1  # two triangles
+    assert "cleaned: 1 open ring closed; 1 polygon repaired that crossed itself" in out
+    assert "written to bow.geojson" in out
+    assert path.read_text() == BOW
+    copy = read_environment(folder / "bow.geojson")
+    assert copy.area_m2 == 8.0
+    assert not copy.cleaning
+
+
+def test_fix_never_replaces_a_file_without_force(call, folder):
+    path = folder / "bow.wkt"
+    path.write_text(BOW)
+    code, _, err = call("environments", "check", "bow.wkt", "--fix", "bow.wkt")
+    assert code == 2
+    assert "exists already" in err
+    assert path.read_text() == BOW
+    assert call("environments", "check", "bow.wkt", "--fix", "bow.wkt", "--force")[0] == 1
+    assert read_environment(path).area_m2 == 8.0
+
+
+def test_fix_drops_closes_and_simplifies(call, folder):
+    ring = [[0, 0], [9, 0], [9, 3], [9.01, 4], [9, 6], [0, 6], [0, 0]]
+    speck = [[1, 1], [1, 1.1], [1.1, 1.1], [1.1, 1], [1, 1]]
+    walls = [
+        [[4, -1], [4.2, -1], [4.2, 2], [4, 2], [4, -1]],
+        [[4, 2.15], [4.2, 2.15], [4.2, 7], [4, 7], [4, 2.15]],
+    ]
+    kinds = [("free", ring), *(("obstacle", other) for other in (speck, *walls))]
+    features = [
+        {
+            "type": "Feature",
+            "properties": {"kind": kind},
+            "geometry": {"type": "Polygon", "coordinates": [corners]},
+        }
+        for kind, corners in kinds
+    ]
+    (folder / "drawn.json").write_text(
+        json.dumps({"type": "FeatureCollection", "features": features})
+    )
+    words = ("--specks", "0.2", "--close", "0.3", "--simplify", "0.02", "--fix", "clean.wkt")
+    code, out, _ = call("environments", "check", "drawn.json", *words)
+    assert code == 1
+    assert "1 obstacle dropped as too small (0.01 m2)" in out
+    assert "1 narrow gap closed" in out
+    assert re.search(r"moved by up to 0.01\d* m", out)
+    copy = read_environment(folder / "clean.wkt")
+    assert len(copy.components) == 2
+    assert all(not part.interiors for part in copy.components)
+
+
+def test_options_of_fix_need_it(call):
+    code, _, err = call("environments", "check", "room.wkt", "--close", "0.2")
+    assert code == 2
+    assert "--close is for --fix OUT" in err
+
+
+def test_images_say_how_far_walls_moved(call, folder):
+    (folder / "grid.map").write_text("type octile\nheight 2\nwidth 3\nmap\n...\n...\n")
+    for words in (("check", "grid.map"), ("show", "grid.map")):
+        _, out, _ = call("environments", *words, "--resolution", "1")
+        assert "cleaned: walls straightened within 0.673 m" in out
+
+
+def test_explore_says_what_was_cleaned(call, folder):
+    (folder / "grid.map").write_text("type octile\nheight 4\nwidth 4\nmap\n" + "....\n" * 4)
+    code, out, _ = call("explore", "grid.map", "--resolution", "1")
+    assert code == 0
+    assert "  map cleaned: walls straightened within 0.673 m" in out
+    assert "map cleaned" not in call("explore", "room.wkt")[1]

@@ -62,7 +62,7 @@ IN_HOSPITAL = _topic(HOSPITAL, ROBOTS, UP_TO[HOSPITAL], MORE_IN_MAZES)
 LARGEST_TEAM = _topic(MAZE, TEAMS[-1], MORE_WITH_MORE_ROBOTS)
 
 OTHER_STEPS = 1 if SCAN_STEPS > 1 else 4
-SCANS = f"a scan and a choice at {every(OTHER_STEPS)}"
+SCANS = f"a scan at {every(OTHER_STEPS)}"
 TARGETS = "goals kept until they are reached, as by Yamauchi"
 WIDE = "bodies of 1 m, of which two cannot pass in a corridor"
 APART = "starts far apart"

@@ -48,10 +48,10 @@ DEVIATIONS = (
     ),
     Deviation(
         f"All strategies take a scan at {every(SCAN_STEPS)} ({SCAN_STEPS * STEP_S:g} s, "
-        f"{SCAN_STEPS * CELL_M:g} m), and choose again if it shows news. In the paper time is "
-        "discrete; how often robots sense and choose is open: ideally whenever news may change "
-        "the path, at least near the frontier (section IV B). Yamauchi, whose rule is closest, "
-        "chooses when a goal is reached.",
+        f"{SCAN_STEPS * CELL_M:g} m), and choose at every step after a scan of one of the team "
+        "that shows news. In the paper time is discrete; how often robots sense and choose is "
+        "open: ideally whenever news may change the path, at least near the frontier (section "
+        "IV B). Yamauchi, whose rule is closest, chooses when a goal is reached.",
         (SCANS, TARGETS),
     ),
     Deviation(

@@ -27,7 +27,7 @@ STEP_S = CELL_M / SPEED_M_S
 """Time of a step (s): from a cell to the next one. The paper counts time in steps."""
 
 SCAN_STEPS = 4
-"""Number of steps from one scan to the next, and at least from one choice to the next."""
+"""Number of steps from one scan of a robot to its next. It chooses at every step with news."""
 
 RANGE_M = 4.0
 BODY = "disc:0.2"
@@ -43,8 +43,8 @@ ORDINALS = {2: "second", 3: "third", 4: "fourth"}
 
 
 def scans(steps: int) -> dict[str, Scalar]:
-    """Return options for a scan after a number of steps, and then a choice if it shows news."""
-    return {"sense_period_s": steps * STEP_S, "replan_period_s": steps * STEP_S}
+    """Return options for a scan after a number of steps, and a choice at every step with news."""
+    return {"sense_period_s": steps * STEP_S, "replan_period_s": STEP_S}
 
 
 OPTIONS: dict[str, Scalar] = {"cell_m": CELL_M, **scans(SCAN_STEPS)}

@@ -208,7 +208,7 @@ OPTIONS_CHANGED = {
         "waits without end": {"patience"},
     },
     "minpos": {
-        "a scan and a choice at every step": {"sense_period_s", "replan_period_s"},
+        "a scan at every step": {"sense_period_s"},
         "goals kept until they are reached, as by Yamauchi": {"replan"},
         "bodies of 1 m, of which two cannot pass in a corridor": {"body"},
         "starts far apart": {"starts"},

@@ -129,7 +129,7 @@ def _in_place_of(other: str) -> Iterator[Ablation]:
         sides.append((with_options(theirs, change, options), ours))
     for base, changed in sides:
         yield _ablation(
-            f"Self-bidding in the place of {other}, whose settings are changed",
+            f"Self-bidding in the place of {other}, with changed settings",
             IN_PLACE_OF[other],
             base,
             changed,
@@ -165,7 +165,7 @@ def _on_paths(others: Collection[str], *, robots: int, radio_m: int) -> Iterator
 
 ABLATIONS = Ablations(
     repetitions=15,
-    run_s=10.0,
+    run_s=6.0,
     quick_repetitions=6,
     changes=(
         *_settings(SBX_R, OWN_CHANGES[SBX_R] | EQUAL_CHANGES),

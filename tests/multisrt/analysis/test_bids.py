@@ -50,8 +50,14 @@ def test_goals_are_counted_by_the_radius_that_they_were_bid_for_with():
 
 
 def test_the_bids_of_a_run_are_a_metric():
-    team = {"strategy": "self-bidding", "robots": 3, "seed": 1, "radio_range_m": 4.0}
-    run = ms.explore("apartment", options={"drive": "path"}, **team)
+    run = ms.explore(
+        "apartment",
+        strategy="self-bidding",
+        robots=3,
+        seed=1,
+        radio_range_m=4.0,
+        options={"drive": "path"},
+    )
     counted = run.metrics.bids_by_radius
     goals = [event for event in run.recording.of(GoalChosen) if event.goal is not None]
     assert sum(counted.values()) == len(goals)

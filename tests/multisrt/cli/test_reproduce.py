@@ -142,13 +142,13 @@ def test_a_summary_of_something_else_is_not_replaced(reproduce, folder):
 def test_ablations_have_a_store_and_tables_of_their_own(reproduce, folder):
     code, out, _ = reproduce("sbx-r", "--quick", "--seeds", "6")
     assert code == 0
-    # By hand: 10 conditions; 9 of ablations, which have six repetitions however many are asked, and
+    # By hand: 10 conditions; 16 of ablations, which have six repetitions however many are asked, and
     # of which 3 are conditions of the experiment.
     expected, again = (line for line in out.splitlines() if "of one core" in line)
     assert expected.startswith("60 runs, about ")
-    assert "; then 36 runs of ablations, about " in expected
+    assert "; then 78 runs of ablations, about " in expected
     assert expected.endswith("; an interrupted experiment continues with the same command")
-    assert again.startswith("36 of 54 runs of ablations, about ")
+    assert again.startswith("78 of 96 runs of ablations, about ")
     made = folder / "reproduced" / "sbx-r-quick"
     with (
         Store.open(made / "results.sqlite") as experiment,
@@ -159,12 +159,12 @@ def test_ablations_have_a_store_and_tables_of_their_own(reproduce, folder):
     assert len(own.keys() & again_made.keys()) == 18
     assert all(again_made[key] == own[key] for key in own.keys() & again_made.keys())
     text = (made / "summary.md").read_text()
-    assert "54 of 54 runs, 6 repetitions" in text
-    assert "### What single settings change" in text
-    # Medians and marks of five tables, one more of times, agreement, driving, twelve claims, and
-    # that of the ablations.
+    assert "96 of 96 runs, 6 repetitions" in text
+    assert "### What settings of self-bidding change: 3 robots, 15 m radio" in text
+    # Medians and marks of five tables, two more by other measures, shares of isolation, bids,
+    # agreement, driving, thirteen claims, and five of the ablations.
     page = (made / "report" / "index.html").read_text()
-    assert page == "60 runs, 12 claims, 21 tables"
+    assert page == "60 runs, 13 claims, 29 tables"
     # A second call has nothing to do, and says nothing of time.
     _, out, _ = reproduce("sbx-r", "--quick", "--seeds", "6")
     assert "of one core" not in out
@@ -182,7 +182,7 @@ def test_ablations_can_be_left_out(reproduce, folder):
     assert "What changes do" not in text
     # They can be added.
     assert reproduce(*words)[0] == 0
-    assert "54 of 54 runs, 6 repetitions" in (made / "summary.md").read_text()
+    assert "96 of 96 runs, 6 repetitions" in (made / "summary.md").read_text()
 
 
 def test_a_map_of_ones_own_takes_the_place_of_the_worlds(reproduce, folder):
@@ -192,7 +192,7 @@ def test_a_map_of_ones_own_takes_the_place_of_the_worlds(reproduce, folder):
     text = (folder / "reproduced" / "sbx-r-on-office-quick" / "summary.md").read_text()
     assert "--map office.wkt --seeds 1`" in text
     assert "World: the map office.wkt" in text
-    assert "54 of 54 runs, 6 repetitions" in text
+    assert "96 of 96 runs, 6 repetitions" in text
     code, _, err = reproduce("sbx-r", "--map", "nowhere.wkt")
     assert (code, "nowhere.wkt" in err) == (2, True)
     code, _, err = reproduce("sbx-r", "--resolution", "0.05")

@@ -75,8 +75,12 @@ def test_conditions_are_those_of_the_papers():
             "paths": "eedt",
             "drive": "nearness-diagram",
         }
-        own = {"lost_after_s": 14_400.0} if spec.strategy == "self-bidding" else {}
-        assert spec.options == equal | own
+        own = {
+            "closest": {},
+            "utility": {"overlap_ranges": 1.0},
+            "self-bidding": {"lost_after_s": 14_400.0},
+        }
+        assert spec.options == equal | own[spec.strategy]
         assert spec.radio.range_m in (15.0, 20.0, 30.0)
         assert spec.starts == "clustered"
         assert spec.robots[0].start is not None

@@ -129,12 +129,10 @@ def test_marks_agree_by_p_values_as_they_are_and_adjusted():
 
 
 def test_claims_on_the_total_time_are_judged_by_splits_as_well():
-    def values(at, repetition):
-        found = bidding(lambda at: 0.5)(at, repetition)
-        split = found["split_s"]
-        return {**found, "split_s": split * 4.0 if at.strategy == "self-bidding" else split}
-
-    results = results_of(FULL_SBX, values)
+    better, worse = bidding(lambda at: 0.5), bidding(lambda at: 2.0)
+    results = results_of(
+        FULL_SBX, lambda at, k: {**better(at, k), "split_s": worse(at, k)["split_s"]}
+    )
     claim = claim_on(sbx_r.claims(results), "is isolated is shorter than with closest")
     assert claim.verdict == "holds"
     assert any(

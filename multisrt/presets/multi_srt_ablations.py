@@ -14,7 +14,7 @@ from multisrt.presets.multi_srt_claims import (
     DISTANCE,
     DISTANCE_GROWS,
     KNOWN,
-    LIMITED,
+    LIMITED_RADIO,
     NOT_IN_EVERY_STEP,
     RADIAL,
     STAR,
@@ -114,7 +114,6 @@ def _with(cells: Cells, change: str) -> Cells:
 
 
 _LARGE: Teams = (4, 8, 16)
-_TEAMS: Teams = (2, *_LARGE)
 
 ABLATIONS = Ablations(
     repetitions=10,
@@ -136,23 +135,24 @@ ABLATIONS = Ablations(
         _ablation(DIFFERENCES, NEAREST_OPEN, {"backtrack": "nearest_open"}),
         _ablation(DIFFERENCES, OPEN_ENTRY, ENTRY),
         _ablation(DIFFERENCES, NONE_SUPPORTED, NO_SUPPORT),
-        _ablation(DIFFERENCES, NO_TAKE_OVER, NO_SUPPORT, radio=LIMITED),
-        _ablation(DIFFERENCES, IN_CONTACT, {"support_in_contact": True}, radio=LIMITED),
+        _ablation(DIFFERENCES, NO_TAKE_OVER, NO_SUPPORT, radio=LIMITED_RADIO),
+        _ablation(DIFFERENCES, IN_CONTACT, {"support_in_contact": True}, radio=LIMITED_RADIO),
         _ablation(
             TOTAL_DISTANCE,
             NO_TAKE_OVER,
             NO_SUPPORT,
             robots=_LARGE,
             starts="scattered",
-            radio=LIMITED,
+            radio=LIMITED_RADIO,
         ),
         _ablation(TOTAL_DISTANCE, NONE_SUPPORTED, NO_SUPPORT, robots=_LARGE, starts="scattered"),
-        _ablation(LARGER_TEAMS, PAPERS_PLANNER_ALONE, PAPERS_PLANNER, robots=_TEAMS),
+        _ablation(LARGER_TEAMS, PAPERS_PLANNER_ALONE, PAPERS_PLANNER, robots=(2, *_LARGE)),
+        # Sixteen scattered robots would take two minutes a run.
         _ablation(
             LARGER_TEAMS,
             PAPERS_PLANNER_ALONE,
             PAPERS_PLANNER,
-            robots=_TEAMS,
+            robots=(2, 4, 8),
             starts="scattered",
         ),
         _ablation(LARGER_TEAMS, NONE_SUPPORTED, NO_SUPPORT, robots=_LARGE),

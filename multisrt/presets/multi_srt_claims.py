@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from itertools import pairwise
+from typing import Final
 
 from multisrt.experiments.crossing import Condition
 from multisrt.experiments.measures import Measure, measure_named
@@ -13,10 +14,12 @@ from multisrt.presets.judging import Judged, judge
 
 STAR, RADIAL = "srt-star", "srt-radial"
 
-UNLIMITED = "unlimited"
 RADIO_RANGE_M = 15.0
-LIMITED = RadioChoice(range_m=RADIO_RANGE_M, label=f"{RADIO_RANGE_M:g} m")
-"""The limited radio of the experiment."""
+UNLIMITED: Final = "unlimited"
+LIMITED = f"{RADIO_RANGE_M:g} m"
+"""Names of the radios of the experiment."""
+
+LIMITED_RADIO = RadioChoice(range_m=RADIO_RANGE_M, label=LIMITED)
 
 TIME, KNOWN = measure_named("makespan_s"), measure_named("known_complete_s")
 """The times by which claims are judged: one or the other is the paper's exploration time."""
@@ -39,7 +42,7 @@ NOT_IN_EVERY_STEP = {
 DISTANCE_GROWS = {
     UNLIMITED: "With an unlimited radio the total distance grows with the number of robots, as "
     "more robots support others.",
-    LIMITED.label: f"With a radio of {LIMITED.label} the total distance grows with the number of "
+    LIMITED: f"With a radio of {LIMITED} the total distance grows with the number of "
     "robots as well.",
 }
 """By radio: the paper names none, and its reason exists with the unlimited one only."""
@@ -47,7 +50,7 @@ DISTANCE_GROWS = {
 WHY_DISTANCE_GROWS = {
     UNLIMITED: "'because more robots try to support the others', which by section 2 is 'only used "
     "when an unlimited communication range is handled'",
-    LIMITED.label: "if its sentence on the distance is meant for both radios; the reason that it "
+    LIMITED: "if its sentence on the distance is meant for both radios; the reason that it "
     "gives, support, exists with the unlimited one only",
 }
 """What the source of these claims says of the radio."""

@@ -163,9 +163,9 @@ def _grounds(
 
 
 def _correlation(fits: Sequence[tuple[Laws, Interval]]) -> float:
-    pairs = [(of.value, one.printed) for one, of in fits]
+    ours, printed = ([of.value for _, of in fits], [one.printed for one, _ in fits])
     with np.errstate(invalid="ignore"):  # nan if all of one side are equal
-        return float(np.corrcoef(pairs, rowvar=False)[0, 1])
+        return float(np.asarray(np.corrcoef(ours, printed))[0, 1])
 
 
 def _spread(fits: Sequence[tuple[Laws, Interval]]) -> float:

@@ -136,7 +136,7 @@ ABLATIONS = Ablations(
         *(_ablation(LARGEST_TEAM, MAZES, TEAMS[-1], change) for change in (WIDE, APART)),
     ),
     repetitions=20,
-    run_s=10.0,
+    run_s=13.0,
     quick_repetitions=6,
     own_tables=gains,
 )

@@ -120,11 +120,12 @@ def test_results_of_runs_of_another_experiment_are_taken(path, tmp_path):
             assert store.take_from(other) == len(common)
             assert store.take_from(other) == 0
         taken = store.results()
-        assert {run.key for run in taken} == common
-        for run in taken:
-            assert run.condition == asked[run.key].condition != made[run.key].condition
-            assert run.repetition == asked[run.key].repetition == made[run.key].repetition + 1
-            assert run.wall_s == 3.0
+        assert {result.key for result in taken} == common
+        for result in taken:
+            run, old = asked[result.key], made[result.key]
+            assert result.condition == run.condition != old.condition
+            assert result.repetition == run.repetition == old.repetition + 1
+            assert result.wall_s == 3.0
         assert len(store.missing()) == len(asked) - len(common)
 
 

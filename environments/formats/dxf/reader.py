@@ -21,7 +21,13 @@ from multisrt.environments.formats.files import (
 )
 from multisrt.environments.formats.map_format import Beginning, MapFormat
 from multisrt.environments.formats.plan import Role, role_names
-from multisrt.environments.formats.regions import filled, require_few_crossings
+from multisrt.environments.formats.regions import (
+    Pen,
+    filled,
+    require_few_crossings,
+    sides_of_stroke,
+    stroked,
+)
 from multisrt.extras import extra
 from multisrt.geometry.errors import MapFormatError
 
@@ -36,6 +42,9 @@ MAX_DXF_BYTES: Final = 32 * 2**20
 
 MIN_RESOLUTION_M: Final = 1e-6
 """Smallest size of a drawing unit, in metres."""
+
+PEN: Final = Pen("square", "mitre", 2.0)
+"""Square ends close the corners of lines that miss each other by less than the thickness."""
 
 SNAP_M: Final = 1e-3
 """Grid to which the ends of single lines are moved when they are joined to outlines."""
@@ -172,7 +181,13 @@ def _free_space(path: Path, parts: list[Part]) -> tuple[BaseGeometry, str]:
         for line in part.lines
         if len(line.points) > 1
     ]
-    require_few_crossings(path, lines)
+    sides = [
+        sides_of_stroke(line.points, _radius(line))
+        for role in (Role.WALL, Role.OBSTACLE)
+        for part in chosen[role]
+        for line in part.lines
+    ]
+    require_few_crossings(path, lines, sides)
     walls, _ = _areas(path, chosen[Role.WALL], outlines=False)
     walls += [_wall(line) for part in chosen[Role.WALL] for line in part.lines]
     solid, loose = _areas(path, chosen[Role.OBSTACLE], outlines=True)
@@ -199,16 +214,13 @@ def _free_space(path: Path, parts: list[Part]) -> tuple[BaseGeometry, str]:
     return left, rule
 
 
+def _radius(line: Line) -> float:
+    return max(line.width_m, WALL_THICKNESS_M) / 2
+
+
 def _wall(line: Line) -> BaseGeometry:
     """Return the area of a line with a thickness."""
-    radius = max(line.width_m, WALL_THICKNESS_M) / 2
-    points = line.points
-    if line.is_closed:
-        ring = shapely.LinearRing(points)
-        return shapely.buffer(ring, radius, join_style="mitre", mitre_limit=2.0)
-    along = shapely.LineString(points if len(points) > 1 else np.vstack([points, points]))
-    # Square ends close the corners of lines that miss each other by less than the thickness.
-    return shapely.buffer(along, radius, cap_style="square", join_style="mitre", mitre_limit=2.0)
+    return stroked(line.points, line.is_closed, _radius(line), PEN)
 
 
 def _areas(

@@ -35,11 +35,13 @@ from multisrt.environments.formats.svg.shapes import (
     fill_area,
     outline,
     stroke_area,
+    stroke_sides,
 )
 from multisrt.environments.formats.svg.styles import lightness_and_alpha, opacity
 from multisrt.environments.formats.svg.tree import Clip, Document, Drawn
 from multisrt.environments.formats.xml_text import read_xml, root_name
 from multisrt.geometry.errors import MapFormatError
+from multisrt.geometry.numerics.arrays import FloatArray
 
 DARK_LIGHTNESS: Final = 0.5
 """Default threshold: paint that is not lighter is a wall."""
@@ -161,6 +163,7 @@ class _Plan:
             shapes = [one for one in shapes if one.role is not None]
         self._clips: dict[tuple[int, bytes], BaseGeometry] = {}
         self._shapes: list[tuple[Drawn, Outline]] = []
+        sides: list[FloatArray] = []
         for one in shapes:
             if one.element.name == "image":
                 if one.role is not Role.START:
@@ -170,6 +173,7 @@ class _Plan:
                 continue
             try:
                 self._shapes.append((one, outline(one)))
+                sides += stroke_sides(*self._shapes[-1], page.px_m)
             except SvgError as error:
                 raise document.wrong(one.element, error) from error
         lines = [
@@ -178,7 +182,7 @@ class _Plan:
             for points, _ in outlines.metres
             if len(points) > 1
         ]
-        require_few_crossings(self._path, lines)
+        require_few_crossings(self._path, lines, sides)
         self.corner = (0.0, 0.0)
 
     def starts(self) -> list[tuple[float, float]]:

@@ -18,13 +18,16 @@ from multisrt.environments.formats.svg.lengths import (
     numbers,
 )
 from multisrt.environments.formats.svg.styles import INITIAL, StyleSheet, opacity
-from multisrt.environments.formats.xml_text import MAX_DEPTH, MAX_ELEMENTS, Element
+from multisrt.environments.formats.xml_text import MAX_DEPTH, Element
 from multisrt.geometry.errors import MapFormatError
 from multisrt.geometry.numerics.arrays import FloatArray
 
 SVG_NAMESPACE: Final = "http://www.w3.org/2000/svg"
 LABEL: Final = "http://www.inkscape.org/namespaces/inkscape label"
 HREFS: Final = ("href", "http://www.w3.org/1999/xlink href")
+
+MAX_DRAWN: Final = 100_000
+"""Upper bound of the elements that are drawn, those in symbols as often as they are used."""
 
 SHAPES: Final = frozenset({"path", "rect", "circle", "ellipse", "line", "polyline", "polygon"})
 GROUPS: Final = frozenset({"g", "a", "svg", "switch"})
@@ -143,8 +146,8 @@ class Document:
         ):
             return
         self._count += 1
-        if self._count > MAX_ELEMENTS:
-            raise self.wrong(element, f"more than {MAX_ELEMENTS:,} elements are drawn; simplify it")
+        if self._count > MAX_DRAWN:
+            raise self.wrong(element, f"more than {MAX_DRAWN:,} elements are drawn; simplify it")
         if around.depth > MAX_DEPTH:
             raise self.wrong(element, f"groups and uses are nested more than {MAX_DEPTH} deep")
         try:

@@ -152,7 +152,7 @@ CUBICASA = f"""<svg {XMLNS} width="1000" height="600" viewBox="0 0 1000 600">
 
 
 def test_a_plan_with_rooms_and_doors_in_walls(tmp_path):
-    world = read(tmp_path, CUBICASA.replace("Boundary", ""), resolution_m=0.01)
+    world = read(tmp_path, CUBICASA, resolution_m=0.01)
     rooms = 4.7 * 5.6 * 2 + 0.2 * 1.0 - 1.0 * 0.6
     assert world.area_m2 == pytest.approx(rooms, abs=0.06)  # a stroke of 1 cm on one wall
     assert len(world.components) == 1
@@ -333,6 +333,11 @@ def test_obstacles_are_areas_and_walls_are_what_is_painted(tmp_path):
     assert wall_area(tmp_path, f'<g class="wall">{solid}</g>') == pytest.approx(25)
     line = f'<path class="obstacle" d="M1 1h4" {BLACK} stroke-width=".5"/>'
     assert wall_area(tmp_path, line) == pytest.approx(2)
+
+
+def test_the_outline_of_an_obstacle_is_not_free(tmp_path):
+    table = '<g class="furniture"><path class="outline" d="M1 1h2v2h-2z" fill="none"/></g>'
+    assert wall_area(tmp_path, table) == pytest.approx(4)
 
 
 def test_free_space_by_name_replaces_the_page(tmp_path):

@@ -64,9 +64,9 @@ def read_dxf(
 
     **By layers.** An entity has the role of the first of these words in the name of its layer, or
     else of that of the block that it is in: ``door``, ``obstacle`` (also ``column``,
-    ``furniture``), ``wall`` (also ``window``, ``glaz``), ``start``, ``free`` (also ``outline``,
-    ``boundary``); ``A-WALL-FULL`` is a wall. If something is a wall, an obstacle or free, only
-    what has a role counts:
+    ``furniture``), ``wall`` (also ``window``, ``glaz``), ``start``, ``free`` (also ``outline``);
+    ``A-WALL-FULL`` is a wall. If something is a wall, an obstacle or free, only what has a role
+    counts:
 
     - *walls*: lines and curves as above, hatches and solids as areas;
     - *obstacles*: closed outlines, also of single lines, as areas; other lines as walls;

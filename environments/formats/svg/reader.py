@@ -61,12 +61,11 @@ def read_svg(
 
     **By names.** A shape has the role of the first of these words in its own label (Inkscape),
     class or identifier, or in that of the nearest group: ``door``, ``obstacle`` (also ``column``,
-    ``furniture``), ``wall`` (also ``window``), ``start``, ``free`` (also ``outline``,
-    ``boundary``); see `multisrt.environments.formats.plan.WORDS`. If some shape is a wall, an
-    obstacle or free, only shapes with a role count. Free space is the area of what is free, or
-    else the page, without the areas of obstacles, and without what is painted of walls (fills, and
-    strokes at their width) but for what is painted of doors. The centre of each part of a start is
-    a suggested start.
+    ``furniture``), ``wall`` (also ``window``), ``start``, ``free`` (also ``outline``); see
+    `multisrt.environments.formats.plan.WORDS`. If some shape is a wall, an obstacle or free, only
+    shapes with a role count. Free space is the area of what is free, or else the page, without the
+    areas of obstacles, and without what is painted of walls (fills, and strokes at their width) but
+    for what is painted of doors. The centre of each part of a start is a suggested start.
 
     **By lightness.** If there are no such names, a plan is what it looks like: free space is the
     page where its topmost paint is lighter than the threshold, or where there is none. Text and

@@ -8,7 +8,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from multisrt.environments.formats.plan import Role, role_of
+from multisrt.environments.formats.plan import Role, role_of, role_within
 from multisrt.environments.formats.svg.lengths import (
     MAX_NUMBER,
     SvgError,
@@ -183,7 +183,7 @@ class Document:
             matrix=_product(around.matrix, own),
             style=style,
             opacity=around.opacity * opacity(style["opacity"]),
-            role=_role(element) or around.role,
+            role=_role(element, around.role),
             depth=around.depth + 1,
         )
         if style["mask"] != "none":
@@ -225,7 +225,7 @@ class Document:
         return context._replace(
             style=style,
             opacity=context.opacity * opacity(style["opacity"]),
-            role=_role(symbol) or context.role,
+            role=_role(symbol, context.role),
         )
 
     def _referred(self, href: str) -> Element:
@@ -278,10 +278,10 @@ def view_box(element: Element) -> tuple[float, float, float, float] | None:
     return x, y, width, height
 
 
-def _role(element: Element) -> Role | None:
+def _role(element: Element, around: Role | None) -> Role | None:
     label = element.attributes.get(LABEL, "")
     names = (element.attributes.get("class", ""), element.attributes.get("id", ""))
-    return role_of([label]) or role_of(names)
+    return role_within([label] if role_of([label]) else names, around)
 
 
 def _product(outer: FloatArray, inner: FloatArray) -> FloatArray:

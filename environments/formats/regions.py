@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
+from multisrt.environments.environment import SLIVER_WIDTH_M
 from multisrt.geometry.errors import MapFormatError
 from multisrt.geometry.numerics.kernel import FloatArray, IntArray, kernel
 
@@ -75,6 +76,28 @@ def require_few_crossings(
             f"{path}: lines of the drawing cross too often; "
             "leave out hatchings and patterns, and simplify it"
         )
+
+
+def opened(walls: BaseGeometry, openings: BaseGeometry) -> BaseGeometry:
+    """Return walls without the openings in them.
+
+    Openings that end where a wall does leave no film of it, whose thickness would be that of the
+    rounding of coordinates: they are taken half a millimetre larger.
+
+    Parameters
+    ----------
+    walls, openings : Polygon or MultiPolygon
+        Areas in metres.
+
+    Examples
+    --------
+    >>> wall, door = shapely.box(0, 0, 4, 1), shapely.box(1, 1e-9, 2, 1)
+    >>> len(opened(wall, door).geoms)
+    2
+    """
+    if openings.is_empty:
+        return walls
+    return walls - shapely.buffer(openings, SLIVER_WIDTH_M / 2, join_style="mitre")
 
 
 def sides_of_stroke(points: FloatArray, radius: float) -> FloatArray:

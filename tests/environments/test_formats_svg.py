@@ -322,7 +322,7 @@ def test_names_of_nearer_groups_count(tmp_path):
         '<g id="walls"><g id="layer2"><rect width="2" height="2"/></g>'
         '<g class="door"><rect width="1" height="1"/></g></g><rect width="9" height="7"/>'
     )
-    assert read(tmp_path, text).area_m2 == pytest.approx(77)
+    assert read(tmp_path, text).area_m2 == pytest.approx(77, abs=0.002)
 
 
 def test_obstacles_are_areas_and_walls_are_what_is_painted(tmp_path):
@@ -333,6 +333,32 @@ def test_obstacles_are_areas_and_walls_are_what_is_painted(tmp_path):
     assert wall_area(tmp_path, f'<g class="wall">{solid}</g>') == pytest.approx(25)
     line = f'<path class="obstacle" d="M1 1h4" {BLACK} stroke-width=".5"/>'
     assert wall_area(tmp_path, line) == pytest.approx(2)
+
+
+@pytest.mark.parametrize("names", ["{0}wall{1} {0}door{1}", "{0}w{1} {0}d{1}"])
+@pytest.mark.parametrize("degrees", [0, 17, 30, 45, 71])
+def test_doors_that_end_where_walls_do_are_open(tmp_path, names, degrees):
+    wall, door = names.format('class="', '"').split()
+    turned = f'transform="translate(5.1 4.3) rotate({degrees})"'
+    text = page(
+        f'<g {turned}><path {wall} d="M-3 0H3" {BLACK} stroke-width=".3"/></g>'
+        f'<path {door} d="M-.3 .1h.7" {turned} fill="none" stroke="white" stroke-width=".3"/>'
+        f'<path {door} d="M-.3 0h.7" {turned} fill="none" stroke="white" stroke-width=".3"/>',
+        "0 0 10 8",
+    )
+    for resolution_m in (1.0, 0.1, 0.37):
+        world = read(tmp_path, text, resolution_m=resolution_m)
+        assert len(world.components) == 1
+        turn = math.radians(degrees)
+        across = shapely.LineString(
+            [
+                (-0.5 * math.sin(turn), -0.5 * math.cos(turn)),
+                (0.5 * math.sin(turn), 0.5 * math.cos(turn)),
+            ]
+        )
+        middle = shapely.affinity.translate(across, 5.1, 8 - 4.3)
+        scaled = shapely.affinity.scale(middle, resolution_m, resolution_m, origin=(0, 0))
+        assert world.free.contains(scaled)
 
 
 def test_the_outline_of_an_obstacle_is_not_free(tmp_path):

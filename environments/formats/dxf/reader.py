@@ -24,6 +24,7 @@ from multisrt.environments.formats.plan import Role, role_names
 from multisrt.environments.formats.regions import (
     Pen,
     filled,
+    opened,
     require_few_crossings,
     sides_of_stroke,
     stroked,
@@ -194,7 +195,7 @@ def _free_space(path: Path, parts: list[Part]) -> tuple[BaseGeometry, str]:
     solid += [_wall(line) for line in loose]
     doors, _ = _areas(path, chosen[Role.DOOR], outlines=True)
     require_few_crossings(path, [*walls, *solid, *doors])
-    blocked = (_united(walls) - _united(doors)) | _united(solid)
+    blocked = opened(_united(walls), _united(doors)) | _united(solid)
     if chosen[Role.FREE]:
         free = _united(_areas(path, chosen[Role.FREE], outlines=True)[0])
         if free.is_empty:

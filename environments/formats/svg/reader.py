@@ -23,7 +23,7 @@ from multisrt.environments.formats.files import (
 )
 from multisrt.environments.formats.map_format import Beginning, MapFormat
 from multisrt.environments.formats.plan import Role, role_names
-from multisrt.environments.formats.regions import require_few_crossings
+from multisrt.environments.formats.regions import opened, require_few_crossings
 from multisrt.environments.formats.svg.lengths import (
     SvgError,
     matrix,
@@ -207,7 +207,7 @@ class _Plan:
                 raise self._document.wrong(one.element, error) from error
         require_few_crossings(self._path, [area for some in areas.values() for area in some])
         united = {role: shapely.union_all(np.asarray(some)) for role, some in areas.items()}
-        walls = united[Role.WALL] - united[Role.DOOR] | united[Role.OBSTACLE]
+        walls = opened(united[Role.WALL], united[Role.DOOR]) | united[Role.OBSTACLE]
         if areas[Role.FREE]:
             free = united[Role.FREE]
             if free.is_empty:
@@ -352,7 +352,7 @@ def _topmost_dark(paints: list[_Paint]) -> BaseGeometry:
             later = later[order[later] > k]
             if later.size:
                 cover = shapely.union_all(tree.geometries[np.sort(later)])
-                visible[index] = area - cover
+                visible[index] = opened(area, cover)
     return shapely.union_all(visible)
 
 

@@ -78,7 +78,7 @@ def arc_points(
     --------
     >>> quarter = arc_points((0, 0), (2, 1), (0, math.pi / 2), 0.01)
     >>> len(quarter), quarter[-1].round(12).tolist()
-    (6, [0.0, 1.0])
+    (8, [0.0, 1.0])
     """
     start, sweep = angles
     largest = max(radii)

@@ -43,7 +43,7 @@ WORDS: Final = {
     ),
     Role.WALL: ("wall", "walls", "window", "windows", "glaz", "glazing"),
     Role.START: ("start", "starts"),
-    Role.FREE: ("free", "outline", "outlines", "boundary", "boundaries", "border"),
+    Role.FREE: ("free", "outline", "outlines"),
 }
 """The words in names by which parts have roles."""
 
@@ -74,6 +74,33 @@ def role_of(names: Iterable[str]) -> Role | None:
     """
     found = {_ROLES.get(word.lower()) for name in names for word in _WORD.findall(name)}
     return next((role for role in WORDS if role in found), None)
+
+
+def role_within(names: Iterable[str], around: Role | None) -> Role | None:
+    """Return the role of a part within a group that may have a role itself.
+
+    Parameters
+    ----------
+    names : iterable of str
+        Names of the part.
+    around : Role or None
+        The role of the group.
+
+    Returns
+    -------
+    Role or None
+        That of the part, or else of the group. What is free or an outline within another role is
+        the outline of that: of a piece of furniture, for instance.
+
+    Examples
+    --------
+    >>> role_within(["door"], Role.WALL), role_within(["outline"], Role.OBSTACLE)
+    (<Role.DOOR: 'door'>, <Role.OBSTACLE: 'obstacle'>)
+    """
+    own = role_of(names)
+    if own is None or (own is Role.FREE and around is not None):
+        return around
+    return own
 
 
 def role_names() -> str:

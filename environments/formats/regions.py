@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Final, Literal
+from typing import Final, Literal, NamedTuple
 
 import numpy as np
 import shapely
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
+from multisrt.environments.environment import SLIVER_WIDTH_M
 from multisrt.geometry.errors import MapFormatError
 from multisrt.geometry.numerics.kernel import FloatArray, IntArray, kernel
 
@@ -25,12 +26,26 @@ MAX_CROSSINGS: Final = 500_000
 MAX_WINDINGS: Final = 2_000_000_000
 """Upper bound of the product of faces and edges of one shape."""
 
+PIECE_POINTS: Final = 100
+"""Number of points of the pieces in which long lines are stroked."""
+
 FillRule = Literal["nonzero", "evenodd"]
 
 GeometryArray = NDArray[np.object_]
 
 
-def require_few_crossings(path: Path, geometries: Sequence[BaseGeometry]) -> None:
+class Pen(NamedTuple):
+    """Caps and joins of a stroke, as `shapely.buffer` names them."""
+
+    cap_style: Literal["flat", "round", "square"]
+    join_style: Literal["mitre", "round", "bevel"]
+    mitre_limit: float = 5.0
+    quad_segs: int = 8
+
+
+def require_few_crossings(
+    path: Path, geometries: Sequence[BaseGeometry], sides: Sequence[FloatArray] = ()
+) -> None:
     """Reject drawings whose edges cross so often that overlays of them have no bound.
 
     Parameters
@@ -39,6 +54,8 @@ def require_few_crossings(path: Path, geometries: Sequence[BaseGeometry]) -> Non
         The file, for messages.
     geometries : sequence of geometries
         Lines and polygons that are to be overlaid.
+    sides : sequence of float arrays, shape (n, 2, 2)
+        Further edges, as `sides_of_stroke` returns them.
 
     Raises
     ------
@@ -46,7 +63,7 @@ def require_few_crossings(path: Path, geometries: Sequence[BaseGeometry]) -> Non
         If there are more than `MAX_POINTS` points, or more than `MAX_CROSSINGS` pairs of edges
         touch.
     """
-    edges = _edges(path, geometries).reshape(-1, 4)
+    edges = np.concatenate([_edges(path, geometries), *sides]).reshape(-1, 4)
     low, high = np.minimum(edges[:, :2], edges[:, 2:]), np.maximum(edges[:, :2], edges[:, 2:])
     extent = high.max(axis=0, initial=-np.inf) - low.min(axis=0, initial=np.inf)
     # Along the axis of which edges cover less, fewer pairs overlap.
@@ -59,6 +76,108 @@ def require_few_crossings(path: Path, geometries: Sequence[BaseGeometry]) -> Non
             f"{path}: lines of the drawing cross too often; "
             "leave out hatchings and patterns, and simplify it"
         )
+
+
+def opened(walls: BaseGeometry, openings: BaseGeometry) -> BaseGeometry:
+    """Return walls without the openings in them.
+
+    Openings that end where a wall does leave no film of it, whose thickness would be that of the
+    rounding of coordinates: they are taken half a millimetre larger.
+
+    Parameters
+    ----------
+    walls, openings : Polygon or MultiPolygon
+        Areas in metres.
+
+    Examples
+    --------
+    >>> wall, door = shapely.box(0, 0, 4, 1), shapely.box(1, 1e-9, 2, 1)
+    >>> len(opened(wall, door).geoms)
+    2
+    """
+    if openings.is_empty:
+        return walls
+    return walls - shapely.buffer(openings, SLIVER_WIDTH_M / 2, join_style="mitre")
+
+
+def sides_of_stroke(points: FloatArray, radius: float) -> FloatArray:
+    """Return the edges of a stroke, without its joins, as ``(2 n, 2, 2)`` points.
+
+    Parameters
+    ----------
+    points : float array, shape (n + 1, 2)
+        The line.
+    radius : float
+        Half its width.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> sides_of_stroke(np.array([[0.0, 0.0], [4.0, 0.0]]), 1.0).tolist()
+    [[[0.0, 1.0], [4.0, 1.0]], [[0.0, -1.0], [4.0, -1.0]]]
+    """
+    along = np.diff(points, axis=0)
+    lengths = np.hypot(*along.T)
+    moved = lengths > 0
+    unit = along[moved] / lengths[moved, np.newaxis]
+    across = radius * np.column_stack([-unit[:, 1], unit[:, 0]])[:, np.newaxis]
+    edges = np.stack([points[:-1][moved], points[1:][moved]], axis=1)
+    return np.concatenate([edges + across, edges - across])
+
+
+def stroked(points: FloatArray, closed: bool, radius: float, pen: Pen) -> BaseGeometry:
+    """Return the area of a stroke along a line.
+
+    Parameters
+    ----------
+    points : float array, shape (n, 2)
+        The line; the same point again and again is a dot.
+    closed : bool
+        Whether the last point is joined to the first.
+    radius : float
+        Half the width of the stroke.
+    pen : Pen
+        Its caps and joins.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> corner = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 3.0]])
+    >>> stroked(corner, False, 0.5, Pen("flat", "mitre")).area
+    7.0
+    """
+    style = pen._asdict()
+    if len(points) <= PIECE_POINTS:
+        line: BaseGeometry
+        if closed and len(points) >= 3:
+            line = shapely.LinearRing(points)
+        else:
+            line = shapely.LineString(points if len(points) > 1 else np.vstack([points, points]))
+        return shapely.buffer(line, radius, **style)
+    # The buffer of a long line takes quadratic time. Pieces have a segment in common, so that
+    # each join is within one of them, and end bluntly; the caps are added.
+    line_points = np.vstack([points, points[:2]]) if closed else points
+    pieces = [
+        shapely.LineString(line_points[first : first + PIECE_POINTS])
+        for first in range(0, len(line_points) - 2, PIECE_POINTS - 2)
+    ]
+    areas = list(
+        shapely.buffer(np.array(pieces, np.object_), radius, **style | {"cap_style": "flat"})
+    )
+    if not closed and pen.cap_style != "flat":
+        areas += [_cap(points, radius, pen), _cap(points[::-1], radius, pen)]
+    return shapely.union_all(np.array(areas, np.object_))
+
+
+def _cap(points: FloatArray, radius: float, pen: Pen) -> BaseGeometry:
+    """Return the cap at the start of a line."""
+    start = points[0]
+    apart = np.flatnonzero((points != start).any(axis=1))
+    if pen.cap_style == "round" or not apart.size:
+        return shapely.buffer(shapely.Point(start), radius, quad_segs=pen.quad_segs)
+    back = start - points[apart[0]]
+    end = start + radius * back / np.hypot(*back)
+    return shapely.buffer(shapely.LineString([start, end]), radius, cap_style="flat")
 
 
 def _edges(path: Path, geometries: Sequence[BaseGeometry]) -> FloatArray:

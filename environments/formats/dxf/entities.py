@@ -11,7 +11,7 @@ import numpy as np
 
 from multisrt.environments.environment import MAX_COORDINATE_M
 from multisrt.environments.formats.curves import FLATNESS_M, cubic_points
-from multisrt.environments.formats.plan import Role, role_of
+from multisrt.environments.formats.plan import Role, role_within
 from multisrt.environments.formats.regions import MAX_POINTS
 from multisrt.geometry.errors import MapFormatError
 from multisrt.geometry.numerics.arrays import FloatArray
@@ -115,7 +115,7 @@ class Drawer:
             on = layer if own == "0" else own
             if entity.dxf.get("invisible", 0) or self._is_hidden(on):
                 continue
-            found = role_of([on]) or role
+            found = role_within([on], role)
             if entity.dxftype() == "INSERT":
                 yield from self._inserted(entity, matrix, on, found, depth)
             elif found is Role.START:

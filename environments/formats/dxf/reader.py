@@ -21,7 +21,14 @@ from multisrt.environments.formats.files import (
 )
 from multisrt.environments.formats.map_format import Beginning, MapFormat
 from multisrt.environments.formats.plan import Role, role_names
-from multisrt.environments.formats.regions import filled, require_few_crossings
+from multisrt.environments.formats.regions import (
+    Pen,
+    filled,
+    opened,
+    require_few_crossings,
+    sides_of_stroke,
+    stroked,
+)
 from multisrt.extras import extra
 from multisrt.geometry.errors import MapFormatError
 
@@ -36,6 +43,9 @@ MAX_DXF_BYTES: Final = 32 * 2**20
 
 MIN_RESOLUTION_M: Final = 1e-6
 """Smallest size of a drawing unit, in metres."""
+
+PEN: Final = Pen("square", "mitre", 2.0)
+"""Square ends close the corners of lines that miss each other by less than the thickness."""
 
 SNAP_M: Final = 1e-3
 """Grid to which the ends of single lines are moved when they are joined to outlines."""
@@ -55,9 +65,9 @@ def read_dxf(
 
     **By layers.** An entity has the role of the first of these words in the name of its layer, or
     else of that of the block that it is in: ``door``, ``obstacle`` (also ``column``,
-    ``furniture``), ``wall`` (also ``window``, ``glaz``), ``start``, ``free`` (also ``outline``,
-    ``boundary``); ``A-WALL-FULL`` is a wall. If something is a wall, an obstacle or free, only
-    what has a role counts:
+    ``furniture``), ``wall`` (also ``window``, ``glaz``), ``start``, ``free`` (also ``outline``);
+    ``A-WALL-FULL`` is a wall. If something is a wall, an obstacle or free, only what has a role
+    counts:
 
     - *walls*: lines and curves as above, hatches and solids as areas;
     - *obstacles*: closed outlines, also of single lines, as areas; other lines as walls;
@@ -172,14 +182,20 @@ def _free_space(path: Path, parts: list[Part]) -> tuple[BaseGeometry, str]:
         for line in part.lines
         if len(line.points) > 1
     ]
-    require_few_crossings(path, lines)
+    sides = [
+        sides_of_stroke(line.points, _radius(line))
+        for role in (Role.WALL, Role.OBSTACLE)
+        for part in chosen[role]
+        for line in part.lines
+    ]
+    require_few_crossings(path, lines, sides)
     walls, _ = _areas(path, chosen[Role.WALL], outlines=False)
     walls += [_wall(line) for part in chosen[Role.WALL] for line in part.lines]
     solid, loose = _areas(path, chosen[Role.OBSTACLE], outlines=True)
     solid += [_wall(line) for line in loose]
     doors, _ = _areas(path, chosen[Role.DOOR], outlines=True)
     require_few_crossings(path, [*walls, *solid, *doors])
-    blocked = (_united(walls) - _united(doors)) | _united(solid)
+    blocked = opened(_united(walls), _united(doors)) | _united(solid)
     if chosen[Role.FREE]:
         free = _united(_areas(path, chosen[Role.FREE], outlines=True)[0])
         if free.is_empty:
@@ -199,16 +215,13 @@ def _free_space(path: Path, parts: list[Part]) -> tuple[BaseGeometry, str]:
     return left, rule
 
 
+def _radius(line: Line) -> float:
+    return max(line.width_m, WALL_THICKNESS_M) / 2
+
+
 def _wall(line: Line) -> BaseGeometry:
     """Return the area of a line with a thickness."""
-    radius = max(line.width_m, WALL_THICKNESS_M) / 2
-    points = line.points
-    if line.is_closed:
-        ring = shapely.LinearRing(points)
-        return shapely.buffer(ring, radius, join_style="mitre", mitre_limit=2.0)
-    along = shapely.LineString(points if len(points) > 1 else np.vstack([points, points]))
-    # Square ends close the corners of lines that miss each other by less than the thickness.
-    return shapely.buffer(along, radius, cap_style="square", join_style="mitre", mitre_limit=2.0)
+    return stroked(line.points, line.is_closed, _radius(line), PEN)
 
 
 def _areas(

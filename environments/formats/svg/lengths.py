@@ -11,6 +11,12 @@ from multisrt.geometry.numerics.arrays import FloatArray
 MAX_NUMBER: Final = 1e12
 """Upper bound of the absolute value of numbers; their products are finite."""
 
+MAX_NUMBERS: Final = 400_000
+"""Upper bound of the numbers in a list, two for each point of the largest drawing."""
+
+MAX_FUNCTIONS: Final = 100
+"""Upper bound of the functions of a transform."""
+
 MAX_LENGTH_CHARACTERS: Final = 100
 """Upper bound of the text of a length, whose pattern takes quadratic time."""
 
@@ -28,6 +34,7 @@ PX_PER_UNIT: Final = {
 
 NUMBER: Final = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 _LENGTH: Final = re.compile(rf"\s*({NUMBER.pattern})\s*([a-zA-Z]*|%)\s*\Z")
+_SEPARATORS: Final = " \t\r\n\f,"
 _FUNCTION: Final = re.compile(r"[\s,]*([a-zA-Z]+)\s*\(([^()]*)\)[\s,]*")
 
 
@@ -60,9 +67,19 @@ def numbers(text: str) -> list[float]:
     >>> numbers("1,2 -3.5e1")
     [1.0, 2.0, -35.0]
     """
-    if NUMBER.sub("", text).strip(" \t\r\n\f,"):
-        raise SvgError(f"{text[:40]!r} is not a list of numbers")
-    return [number(word) for word in NUMBER.findall(text)]
+    values: list[float] = []
+    at = 0
+    for found in NUMBER.finditer(text):
+        if text[at : found.start()].strip(_SEPARATORS) or len(values) >= MAX_NUMBERS:
+            break
+        values.append(number(found.group()))
+        at = found.end()
+    if text[at:].strip(_SEPARATORS):
+        raise SvgError(
+            f"{text[at : at + 40].strip()!r} is not part of a list of at most {MAX_NUMBERS:,} "
+            "numbers"
+        )
+    return values
 
 
 def length_and_unit(text: str) -> tuple[float, str]:
@@ -108,9 +125,13 @@ def matrix(text: str) -> FloatArray:
     array([4., 5., 1.])
     """
     result = np.eye(3)
-    at = 0
-    while at < len(text.rstrip()):
+    at = functions = 0
+    text = text.rstrip()
+    while at < len(text):
         found = _FUNCTION.match(text, at)
+        functions += 1
+        if functions > MAX_FUNCTIONS:
+            raise SvgError(f"a transform has more than {MAX_FUNCTIONS} functions")
         if found is None:
             raise SvgError(f"{text[at : at + 40]!r} is not a transform")
         result = result @ _function(found.group(1), numbers(found.group(2)))

@@ -23,7 +23,7 @@ from multisrt.environments.formats.files import (
 )
 from multisrt.environments.formats.map_format import Beginning, MapFormat
 from multisrt.environments.formats.plan import Role, role_names
-from multisrt.environments.formats.regions import require_few_crossings
+from multisrt.environments.formats.regions import opened, require_few_crossings
 from multisrt.environments.formats.svg.lengths import (
     SvgError,
     matrix,
@@ -35,11 +35,13 @@ from multisrt.environments.formats.svg.shapes import (
     fill_area,
     outline,
     stroke_area,
+    stroke_sides,
 )
 from multisrt.environments.formats.svg.styles import lightness_and_alpha, opacity
 from multisrt.environments.formats.svg.tree import Clip, Document, Drawn
 from multisrt.environments.formats.xml_text import read_xml, root_name
 from multisrt.geometry.errors import MapFormatError
+from multisrt.geometry.numerics.arrays import FloatArray
 
 DARK_LIGHTNESS: Final = 0.5
 """Default threshold: paint that is not lighter is a wall."""
@@ -59,12 +61,11 @@ def read_svg(
 
     **By names.** A shape has the role of the first of these words in its own label (Inkscape),
     class or identifier, or in that of the nearest group: ``door``, ``obstacle`` (also ``column``,
-    ``furniture``), ``wall`` (also ``window``), ``start``, ``free`` (also ``outline``,
-    ``boundary``); see `multisrt.environments.formats.plan.WORDS`. If some shape is a wall, an
-    obstacle or free, only shapes with a role count. Free space is the area of what is free, or
-    else the page, without the areas of obstacles, and without what is painted of walls (fills, and
-    strokes at their width) but for what is painted of doors. The centre of each part of a start is
-    a suggested start.
+    ``furniture``), ``wall`` (also ``window``), ``start``, ``free`` (also ``outline``); see
+    `multisrt.environments.formats.plan.WORDS`. If some shape is a wall, an obstacle or free, only
+    shapes with a role count. Free space is the area of what is free, or else the page, without the
+    areas of obstacles, and without what is painted of walls (fills, and strokes at their width) but
+    for what is painted of doors. The centre of each part of a start is a suggested start.
 
     **By lightness.** If there are no such names, a plan is what it looks like: free space is the
     page where its topmost paint is lighter than the threshold, or where there is none. Text and
@@ -161,6 +162,7 @@ class _Plan:
             shapes = [one for one in shapes if one.role is not None]
         self._clips: dict[tuple[int, bytes], BaseGeometry] = {}
         self._shapes: list[tuple[Drawn, Outline]] = []
+        sides: list[FloatArray] = []
         for one in shapes:
             if one.element.name == "image":
                 if one.role is not Role.START:
@@ -170,6 +172,7 @@ class _Plan:
                 continue
             try:
                 self._shapes.append((one, outline(one)))
+                sides += stroke_sides(*self._shapes[-1], page.px_m)
             except SvgError as error:
                 raise document.wrong(one.element, error) from error
         lines = [
@@ -178,7 +181,7 @@ class _Plan:
             for points, _ in outlines.metres
             if len(points) > 1
         ]
-        require_few_crossings(self._path, lines)
+        require_few_crossings(self._path, lines, sides)
         self.corner = (0.0, 0.0)
 
     def starts(self) -> list[tuple[float, float]]:
@@ -204,7 +207,7 @@ class _Plan:
                 raise self._document.wrong(one.element, error) from error
         require_few_crossings(self._path, [area for some in areas.values() for area in some])
         united = {role: shapely.union_all(np.asarray(some)) for role, some in areas.items()}
-        walls = united[Role.WALL] - united[Role.DOOR] | united[Role.OBSTACLE]
+        walls = opened(united[Role.WALL], united[Role.DOOR]) | united[Role.OBSTACLE]
         if areas[Role.FREE]:
             free = united[Role.FREE]
             if free.is_empty:
@@ -349,7 +352,7 @@ def _topmost_dark(paints: list[_Paint]) -> BaseGeometry:
             later = later[order[later] > k]
             if later.size:
                 cover = shapely.union_all(tree.geometries[np.sort(later)])
-                visible[index] = area - cover
+                visible[index] = opened(area, cover)
     return shapely.union_all(visible)
 
 

@@ -11,7 +11,7 @@ from shapely.geometry.base import BaseGeometry
 
 from multisrt.environments.environment import MAX_COORDINATE_M
 from multisrt.environments.formats.curves import FLATNESS_M, arc_points
-from multisrt.environments.formats.regions import FillRule, filled
+from multisrt.environments.formats.regions import FillRule, Pen, filled, sides_of_stroke, stroked
 from multisrt.environments.formats.svg.lengths import SvgError, length, numbers
 from multisrt.environments.formats.svg.path_data import Subpath, subpaths
 from multisrt.environments.formats.svg.tree import Drawn
@@ -103,10 +103,8 @@ def stroke_area(drawn: Drawn, lines: Outline, px_m: float) -> BaseGeometry:
         If a property of the stroke is wrong.
     """
     style = drawn.style
-    diagonal = math.hypot(*drawn.viewport) / math.sqrt(2)
-    width = length(style["stroke-width"], diagonal)
-    if width < 0:
-        raise SvgError(f"the stroke-width is {width:g}; it is not negative")
+    radius, radius_m = _stroke_radius(drawn, lines, px_m)
+    is_fixed = style["vector-effect"] == "non-scaling-stroke"
     if not lines.local:
         return Polygon()
     try:
@@ -114,31 +112,16 @@ def stroke_area(drawn: Drawn, lines: Outline, px_m: float) -> BaseGeometry:
     except KeyError as error:
         raise SvgError(f"a stroke has no cap or join {error}") from error
     limit = max(numbers(style["stroke-miterlimit"])[:1] or [4.0])
-    is_fixed = style["vector-effect"] == "non-scaling-stroke"
-    radius = width * px_m / 2 if is_fixed else width / 2
-    radius_m = radius if is_fixed else radius * lines.scale
-    if radius_m > MAX_COORDINATE_M:
-        raise SvgError(f"a stroke is wider than {MAX_COORDINATE_M:g} m; check the scale")
     if radius_m < MIN_RADIUS_M:
         return Polygon()
     step = 2 * math.acos(max(0.0, 1 - FLATNESS_M / radius_m))
     quarter = min(max(math.ceil(math.pi / 2 / step), 2), 64)
-    area = shapely.union_all(
-        np.asarray(
-            [
-                shapely.buffer(
-                    _line(points, closed),
-                    radius,
-                    quad_segs=quarter,
-                    cap_style=cap,
-                    join_style=join,
-                    mitre_limit=max(limit, 1.0),
-                )
-                for points, closed in (lines.metres if is_fixed else lines.local)
-            ],
-            np.object_,
-        )
-    )
+    pen = Pen(cap, join, max(limit, 1.0), quarter)
+    strokes = [
+        stroked(points, closed, radius, pen)
+        for points, closed in (lines.metres if is_fixed else lines.local)
+    ]
+    area = shapely.union_all(np.asarray(strokes, np.object_))
     if is_fixed:
         return area
     linear, shift = drawn.matrix[:2, :2], drawn.matrix[:2, 2]
@@ -147,10 +130,33 @@ def stroke_area(drawn: Drawn, lines: Outline, px_m: float) -> BaseGeometry:
     return placed if placed.is_valid else shapely.buffer(placed, 0)
 
 
-def _line(points: FloatArray, closed: bool) -> BaseGeometry:
-    if closed and len(points) >= 3:
-        return shapely.LinearRing(points)
-    return shapely.LineString(points if len(points) > 1 else np.vstack([points, points]))
+def stroke_sides(drawn: Drawn, lines: Outline, px_m: float) -> list[FloatArray]:
+    """Return the edges of the stroke of a shape, without its joins, in metres.
+
+    They are where the stroke would be if its transform had the same scale in all directions.
+    """
+    if drawn.style["stroke"].strip().lower() in ("none", "transparent"):
+        return []
+    _, radius_m = _stroke_radius(drawn, lines, px_m)
+    return [
+        sides_of_stroke(np.vstack([points, points[:1]]) if closed else points, radius_m)
+        for points, closed in lines.metres
+    ]
+
+
+def _stroke_radius(drawn: Drawn, lines: Outline, px_m: float) -> tuple[float, float]:
+    """Return half the width of a stroke, in the space that it is drawn in and in metres."""
+    style = drawn.style
+    diagonal = math.hypot(*drawn.viewport) / math.sqrt(2)
+    width = length(style["stroke-width"], diagonal)
+    if width < 0:
+        raise SvgError(f"the stroke-width is {width:g}; it is not negative")
+    is_fixed = style["vector-effect"] == "non-scaling-stroke"
+    radius = width * px_m / 2 if is_fixed else width / 2
+    radius_m = radius if is_fixed else radius * lines.scale
+    if radius_m > MAX_COORDINATE_M:
+        raise SvgError(f"a stroke is wider than {MAX_COORDINATE_M:g} m; check the scale")
+    return radius, radius_m
 
 
 def _fill_rule(drawn: Drawn, name: str) -> FillRule:

@@ -35,6 +35,9 @@ OWN: Final = {
 }
 """Properties that concern an element itself, with their initial values."""
 
+MAX_STYLE_CHARACTERS: Final = 2**20
+"""Upper bound of the text of a style sheet."""
+
 MAX_RULES: Final = 2_000
 """Upper bound of the rules of style sheets."""
 
@@ -81,6 +84,11 @@ class StyleSheet:
         self._rules.sort(key=lambda r: (len(r.ids), len(r.classes), r.tag not in ("", "*")))
 
     def _read(self, sheet: Element) -> None:
+        if len(sheet.text) > MAX_STYLE_CHARACTERS:
+            raise MapFormatError(
+                f"{self._path}, line {sheet.line}: a style sheet has {len(sheet.text):,} "
+                f"characters; they are read up to {MAX_STYLE_CHARACTERS:,}"
+            )
         for rule in _without_at_rules(_without_comments(sheet.text)).split("}"):
             selectors, _, body = rule.partition("{")
             try:

@@ -8,7 +8,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from multisrt.environments.formats.plan import Role, role_of
+from multisrt.environments.formats.plan import Role, role_of, role_within
 from multisrt.environments.formats.svg.lengths import (
     MAX_NUMBER,
     SvgError,
@@ -18,13 +18,16 @@ from multisrt.environments.formats.svg.lengths import (
     numbers,
 )
 from multisrt.environments.formats.svg.styles import INITIAL, StyleSheet, opacity
-from multisrt.environments.formats.xml_text import MAX_DEPTH, MAX_ELEMENTS, Element
+from multisrt.environments.formats.xml_text import MAX_DEPTH, Element
 from multisrt.geometry.errors import MapFormatError
 from multisrt.geometry.numerics.arrays import FloatArray
 
 SVG_NAMESPACE: Final = "http://www.w3.org/2000/svg"
 LABEL: Final = "http://www.inkscape.org/namespaces/inkscape label"
 HREFS: Final = ("href", "http://www.w3.org/1999/xlink href")
+
+MAX_DRAWN: Final = 100_000
+"""Upper bound of the elements that are drawn, those in symbols as often as they are used."""
 
 SHAPES: Final = frozenset({"path", "rect", "circle", "ellipse", "line", "polyline", "polygon"})
 GROUPS: Final = frozenset({"g", "a", "svg", "switch"})
@@ -143,8 +146,8 @@ class Document:
         ):
             return
         self._count += 1
-        if self._count > MAX_ELEMENTS:
-            raise self.wrong(element, f"more than {MAX_ELEMENTS:,} elements are drawn; simplify it")
+        if self._count > MAX_DRAWN:
+            raise self.wrong(element, f"more than {MAX_DRAWN:,} elements are drawn; simplify it")
         if around.depth > MAX_DEPTH:
             raise self.wrong(element, f"groups and uses are nested more than {MAX_DEPTH} deep")
         try:
@@ -180,7 +183,7 @@ class Document:
             matrix=_product(around.matrix, own),
             style=style,
             opacity=around.opacity * opacity(style["opacity"]),
-            role=_role(element) or around.role,
+            role=_role(element, around.role),
             depth=around.depth + 1,
         )
         if style["mask"] != "none":
@@ -222,7 +225,7 @@ class Document:
         return context._replace(
             style=style,
             opacity=context.opacity * opacity(style["opacity"]),
-            role=_role(symbol) or context.role,
+            role=_role(symbol, context.role),
         )
 
     def _referred(self, href: str) -> Element:
@@ -275,10 +278,10 @@ def view_box(element: Element) -> tuple[float, float, float, float] | None:
     return x, y, width, height
 
 
-def _role(element: Element) -> Role | None:
+def _role(element: Element, around: Role | None) -> Role | None:
     label = element.attributes.get(LABEL, "")
     names = (element.attributes.get("class", ""), element.attributes.get("id", ""))
-    return role_of([label]) or role_of(names)
+    return role_within([label] if role_of([label]) else names, around)
 
 
 def _product(outer: FloatArray, inner: FloatArray) -> FloatArray:

@@ -104,7 +104,7 @@ def workplace(tmp_path, monkeypatch):
     )
     square = [[[0, 0], [9, 0], [9, 7], [0, 7], [0, 0]]]
     Path("plan.geojson").write_text(json.dumps({"type": "Polygon", "coordinates": square}))
-    Path("plan.svg").write_text(
+    Path("flat.svg").write_text(
         '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 900 700">'
         '<rect class="free" width="900" height="700"/></svg>'
     )

@@ -142,8 +142,8 @@ def test_a_summary_of_something_else_is_not_replaced(reproduce, folder):
 def test_ablations_have_a_store_and_tables_of_their_own(reproduce, folder):
     code, out, _ = reproduce("sbx-r", "--quick", "--seeds", "6")
     assert code == 0
-    # By hand: 10 conditions; 16 of ablations, which have six repetitions however many are asked, and
-    # of which 3 are conditions of the experiment.
+    # By hand: 10 conditions; 16 of ablations, which have six repetitions however many are asked,
+    # and of which 3 are conditions of the experiment.
     expected, again = (line for line in out.splitlines() if "of one core" in line)
     assert expected.startswith("60 runs, about ")
     assert "; then 78 runs of ablations, about " in expected

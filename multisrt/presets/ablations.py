@@ -1,8 +1,8 @@
 """Ablations: an experiment with one thing changed, beside the same runs without the change.
 
-They show what a difference from a paper's method does, or why a claim does not hold. They are made
-in few conditions and repetitions, and have no verdicts. Runs without the change are those of the
-experiment that the claims are judged by, where it has them.
+They show what a difference from a paper's method does, or why a claim does not hold. They are run
+apart from the experiment that the claims are judged by, in few conditions and repetitions, and
+have no verdicts.
 """
 
 from __future__ import annotations

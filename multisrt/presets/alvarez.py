@@ -130,7 +130,7 @@ DEVIATIONS = (
     ),
     Deviation(
         "Time: until a robot knows the map complete. The claims on times are judged by the time "
-        "until all are home as well, and both are shown."
+        "until all are done as well, and both are shown."
     ),
     Deviation(
         "Laws are fitted to means over successful runs, as in the thesis. That twice the robots "

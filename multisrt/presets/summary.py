@@ -113,11 +113,11 @@ def _ablations(preset: Preset, results: Results | None) -> list[str]:
     seconds = sum(result.computing_s for result in results)
     return [
         "## What changes do",
-        "Runs in few conditions with one thing changed, beside those without the change, which are "
-        "the experiment's own where it has them: they show what a difference from the paper does, "
-        "or where a claim that does not hold fails, and decide no claim. "
+        "Runs apart from those of the claims, in few conditions: they show what a difference from "
+        "the paper does, or where a claim that does not hold fails, and decide no claim. "
         f"{len(results)} of {results.planned} runs, {results.experiment.repetitions} repetitions; "
-        f"computing time {seconds / 3600.0:.2f} h of one core.",
+        f"computing time {seconds / 3600.0:.2f} h of one core. "
+        "Runs without a change are the experiment's own where it has them.",
         *(_printed(table) for table in preset.ablations.tables(results)),
     ]
 

@@ -143,6 +143,7 @@ __all__ = [
     "save_environment",
     "simulate",
     "strategies",
+    "suites",
 ]
 
 
@@ -157,4 +158,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted([*__all__, *_MODULES])
+    return sorted(__all__)

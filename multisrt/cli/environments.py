@@ -48,7 +48,7 @@ def _meant(words: Sequence[str]) -> Sequence[str]:
 @click.group(cls=CommandGroup, meant=_meant, invoke_without_command=True)
 @click.pass_context
 def environments(context: click.Context) -> None:
-    """List the environments of the catalogue and the suites; draw, check or export one.
+    """List the environments and suites; draw, check or export one.
 
     A suite has worlds that are kept apart for comparisons: NAME/00, NAME/01 and so on.
 

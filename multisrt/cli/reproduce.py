@@ -94,7 +94,7 @@ def reproduce(
       multisrt reproduce minpos --cluster tcp://node1:8786
       multisrt reproduce alvarez --quick --reference informed
       multisrt reproduce sbx-r --map floor.yaml --seeds 10
-      multisrt reproduce minpos --map hospital_section.png --resolution METRES_PER_PIXEL
+      multisrt reproduce minpos --map hospital_section.png --resolution 0.037
 
     \b
     Repetitions:   full   --quick   in the paper

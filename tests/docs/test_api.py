@@ -31,7 +31,12 @@ def found(name: str) -> object:
 
 def test_every_public_name_is_documented_once():
     counted = Counter(DOCUMENTED)
-    missing = [name for name in multisrt.__all__ if f"multisrt.{name}" not in counted]
+    own = set(multisrt.__all__) - multisrt._MODULES.keys()
+    missing = [name for name in sorted(own) if f"multisrt.{name}" not in counted]
+    # Of a module, the names in it are documented.
+    for module in multisrt._MODULES.values():
+        offered = import_module(f"multisrt.{module}").__all__
+        missing += [name for name in offered if f"multisrt.{module}.{name}" not in counted]
     assert not missing, "add these to a page in docs/api"
     assert [name for name, count in counted.items() if count > 1] == []
 

@@ -159,7 +159,7 @@ def test_every_public_name_can_be_imported():
     for name in multisrt.__all__:
         assert getattr(multisrt, name) is not None
     assert sorted(multisrt.__all__) == dir(multisrt)
-    assert set(multisrt._HOMES) == set(multisrt.__all__)
+    assert {*multisrt._HOMES, *multisrt._MODULES} == set(multisrt.__all__)
     with pytest.raises(AttributeError, match="'bogus'"):
         multisrt.bogus  # noqa: B018
 

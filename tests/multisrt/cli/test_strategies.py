@@ -23,7 +23,7 @@ def test_own_options_come_before_inherited_ones(call):
     assert [line.split()[0] for line in out.splitlines()[4:] if re.match(r" \w", line)][:3] == [
         "replan",
         "beta",
-        "drive",
+        "overlap_ranges",
     ]
     assert "As above" not in out
     assert "in the paper a robot asks for a goal" in " ".join(out.split())

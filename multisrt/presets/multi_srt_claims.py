@@ -82,12 +82,13 @@ def time_falls(cells: Cells, time: Measure) -> Judged:
 def time_does_not_always_fall(cells: Cells, time: Measure) -> Judged:
     """Return the judged claim that with clustered starts the time does not fall in every step.
 
-    In the paper "there are examples" of it. Here it holds if there is a step in which the time
-    rises significantly, and does not hold if the time falls significantly in every step.
+    It holds if there is a step in which the time rises significantly, and does not hold if the
+    time falls significantly in every step.
     """
     return judge(
         NOT_IN_EVERY_STEP[time],
-        SOURCE,
+        f"{SOURCE} ('in the case of the clustered start, there are examples where this affirmation "
+        "is not verified')",
         _growing(cells, time, ("clustered",)),
         scope="somewhere",
         so="the time rises",

@@ -92,7 +92,7 @@ def write_rerun(
     InvalidInputError
         If the environment variable ``RERUN`` turns its recording off.
     OSError
-        If not all could be written.
+        If it cannot be written.
     """
     with extra("rerun", "a file of rerun"):
         import rerun as rr
@@ -112,7 +112,9 @@ def write_rerun(
             )
         stream.set_log_time_enabled(False)
         stream.set_log_tick_enabled(False)
-        stream.save(path, default_blueprint=_blueprint(recording, environment))
+        # Kept in memory: rerun's own writer may wait for ever when the disk is full.
+        memory = stream.memory_recording()
+        stream.send_blueprint(_blueprint(recording, environment), make_active=False)
         spec = recording.spec
         stream.send_recording_name(
             f"{spec.strategy} in {environment.name}, {len(spec.robots)} robots, seed {spec.seed}"
@@ -121,14 +123,9 @@ def write_rerun(
         for now, content in contents:
             scene.show(now, content)
         scene.finish()
-        stream.flush()
-        written = path.stat().st_size
-    except RuntimeError as error:  # all that rerun says of a full disk
-        raise OSError(str(error)) from None
+        path.write_bytes(memory.drain_as_bytes())
     finally:
         stream.disconnect()
-    if path.stat().st_size <= written:
-        raise OSError("the index at its end could not be written")
 
 
 class _Scene:

@@ -101,7 +101,7 @@ BUILT_IN = (
     _bids("utility", "A leader weighs view against path length", UtilityOptions, _require_talk),
     _bids(
         "self-bidding",
-        "SBX-R: bids for the whole team, which keeps within radio range",
+        "SBX-R: bids for the whole team, which favour targets within radio range",
         SelfBiddingOptions,
         _require_talk,
     ),

@@ -1,0 +1,277 @@
+"""Every map of a folder, explored by two robots: ``python -m benchmarks.maps FOLDER --out DIR``.
+
+Reads all files of the folder, chooses a body that gets about in each map, explores it by
+`srt-radial` and `minpos`, and writes `maps.md`, a table with a row for each file, and `maps.svg`,
+a sheet with a small picture of each run of `srt-radial`. Runs that are in `DIR/maps.sqlite`
+already are not made again.
+"""
+
+from __future__ import annotations
+
+import argparse
+import html
+import math
+import re
+import sys
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fnmatch import fnmatch
+from pathlib import Path
+from typing import Final
+
+import multisrt as ms
+from multisrt.analysis.map_check import MapCheck, check_map
+from multisrt.drawing.small_svg import small_svg
+from multisrt.environments.environment import Environment
+from multisrt.environments.formats import format_of, read_environment
+from multisrt.experiments.results import Result
+from multisrt.experiments.spec import Block, EnvironmentChoice, ExperimentSpec, Limits
+from multisrt.experiments.store import Store
+from multisrt.presets.summary import markdown_table
+from multisrt.recording import Recording
+from multisrt.terminal import LiveLine
+
+STRATEGIES: Final = ("srt-radial", "minpos")
+
+SCALES_M: Final = (
+    ("*/cave*.png", 16.0 / 500.0),
+    ("*/hospital.png", 140.0 / 3117.0),
+    ("*/hospital_section.png", 40.0 / 1086.0),
+    ("*/nav2d/*.png", 0.04),
+    ("*/willow-full.pgm", 0.1),
+    ("*/mresim/*", 0.078),
+    ("*/explore_bench/*", 0.1),
+    ("*/ir2_dungeon/*", 0.1),
+    ("*.map", 0.5),
+    ("*/maes/*", 0.5),
+    ("*", 0.05),
+)
+"""Metres per pixel or cell of files without a scale of their own, by the first pattern."""
+
+TEAMS: Final = {"maze": "maze1.png", "rooms": "rooms.png"}
+"""The image to which a team file belongs, by a word in its name."""
+
+BODY_M: Final = 0.25
+"""Radius of the body where it gets to enough, in metres."""
+
+MIN_REACHED: Final = 0.5
+"""Share of the part that is explored to which the body has to get."""
+
+BODY_SHARE: Final = 0.8
+"""Radius elsewhere, as a share of that of the largest disc that gets to 95 % of it."""
+
+PICTURE, GAP, LABEL, COLUMNS = 180, 16, 14, 7
+"""Side of a picture on the sheet, space between, height of a label, and pictures in a row."""
+
+COLUMN_NAMES: Final = (
+    "file",
+    "format",
+    "size (m)",
+    "free space (m2)",
+    "vertices",
+    "body",
+    *(f"{name}: {what}" for name in STRATEGIES for what in ("coverage", "time (s)")),
+    "computing (s)",
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Subject:
+    """A map that was read."""
+
+    label: str
+    format: str
+    choice: EnvironmentChoice
+    world: Environment
+    check: MapCheck
+
+    @property
+    def body(self) -> str:
+        """The default body, or a smaller disc where that one gets to little."""
+        radius = BODY_M
+        if self.check.reached_share < MIN_REACHED:
+            radius = BODY_SHARE * self.check.largest.radius_m
+        return f"disc:{radius:.2g}"
+
+    @property
+    def starts(self) -> str:
+        """The suggested starts if there are enough of them."""
+        return "suggested" if len(self.world.starts) >= 2 else "clustered"
+
+    @property
+    def block(self) -> Block:
+        """Its part of the experiment."""
+        return Block(environments=(self.choice,), bodies=(self.body,), starts=(self.starts,))
+
+
+def main() -> None:
+    """Read and explore the maps, and write the table and the sheet."""
+    given = _arguments()
+    given.out.mkdir(parents=True, exist_ok=True)
+    subjects, refused = read_all(given.folder)
+    if not subjects:
+        sys.exit(f"{given.folder} has no map that can be read")
+    spec = experiment(subjects)
+    store = given.out / "maps.sqlite"
+    results = ms.compare(spec, store=store, workers=given.workers).results
+    made: dict[str, dict[str, Result]] = defaultdict(dict)
+    for result in results:
+        made[result.condition.environment][result.condition.strategy] = result
+    (given.out / "maps.md").write_text(page(subjects, made, refused), encoding="utf-8")
+    with Store.open(store) as opened:
+        recordings = {
+            subject.label: Recording.load(path)
+            for subject in subjects
+            if (path := opened.recording_path(made[subject.label][STRATEGIES[0]].key)).exists()
+        }
+    (given.out / "maps.svg").write_text(contact_sheet(recordings), encoding="utf-8")
+    print(f"{given.out / 'maps.md'} and {given.out / 'maps.svg'} are written")
+
+
+def read_all(folder: Path) -> tuple[list[Subject], dict[str, str]]:
+    """Return the maps of a folder, and why other files are none, by name."""
+    subjects, refused = [], {}
+    files = sorted(path for path in folder.rglob("*") if path.is_file() and path.suffix != ".md")
+    with LiveLine(True, "maps", "files read", counted=True) as line:
+        for done, path in enumerate(files):
+            line.update(completed=done, total=len(files))
+            label = path.relative_to(folder).as_posix()
+            try:
+                subjects.append(read(path, label))
+            except ms.MultiSrtError as error:
+                refused[label] = str(error).replace(f"{folder}/", "").replace(str(folder), ".")
+    return subjects, refused
+
+
+def read(path: Path, label: str) -> Subject:
+    """Return the map of a file; of a team file, the map that it belongs to."""
+    image, team = path, None
+    for word, name in TEAMS.items():
+        if path.suffix == ".txt" and re.fullmatch(rf"team_.*{word}", path.stem):
+            image, team = path.with_name(name), path
+    known = format_of(image)
+    scale = None
+    if known.name in ("image", "numpy array", "MovingAI grid", "MovingAI scenario"):
+        scale = next(metres for pattern, metres in SCALES_M if fnmatch(str(image), pattern))
+    world = read_environment(image, resolution_m=scale, starts_from=team)
+    choice = EnvironmentChoice(
+        name=str(image),
+        label=label,
+        resolution_m=scale,
+        starts_from=None if team is None else str(team),
+    )
+    name = known.name if team is None else f"{known.name} and team"
+    check = check_map(world, ms.Footprint.disc(BODY_M))
+    return Subject(label, name, choice, world, check)
+
+
+def experiment(subjects: Sequence[Subject]) -> ExperimentSpec:
+    """Return the experiment: two robots in each map, by each strategy."""
+    return ExperimentSpec(
+        name="Maps",
+        strategies=STRATEGIES,
+        robots=(2,),
+        blocks=tuple(subject.block for subject in subjects),
+        limits=Limits(computing_s=3600.0, memory_mb=6000),
+        recordings="all",
+    )
+
+
+def page(
+    subjects: Sequence[Subject],
+    made: Mapping[str, Mapping[str, Result]],
+    refused: Mapping[str, str],
+) -> str:
+    """Return the table as a page of Markdown."""
+    results = [result for by_strategy in made.values() for result in by_strategy.values()]
+    complete = sum(result.status == "complete" for result in results)
+    hours = sum(result.computing_s for result in results) / 3600.0
+    lines = [
+        "# Maps of other projects",
+        "",
+        "Made with `python -m benchmarks.maps FOLDER --out DIR`: every file of a folder with maps "
+        "that other projects publish, read and explored by two robots. The files themselves are "
+        "not part of this project.",
+        "",
+        f"{len(subjects)} files are maps; {complete} of {len(results)} runs ended complete; "
+        f"{hours:.1f} core-hours. Files without a scale were given one: that of the project they "
+        f"are from if it states one, else 0.05 m a pixel and 0.5 m a cell. The body is a disc with "
+        f"a radius of {BODY_M:g} m if that gets to half of the part that is explored, else "
+        f"{BODY_SHARE:g} times the largest that gets to 95 % of it. The robots start where the "
+        "file says, or close together. "
+        "Coverage is the share of what the bodies could come to see from there; time is that "
+        "until both are home again.",
+        "",
+        markdown_table(COLUMN_NAMES, [row(subject, made[subject.label]) for subject in subjects]),
+        "",
+        *_unfinished(made),
+        "## Files that are not maps, or cannot be read",
+        "",
+        *(f"- `{name}`: {html.escape(why, quote=False)}" for name, why in refused.items()),
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def row(subject: Subject, made: Mapping[str, Result]) -> tuple[str, ...]:
+    """Return the row of a map."""
+    x0, y0, x1, y1 = subject.world.bounds
+    cells = []
+    for name in STRATEGIES:
+        result = made[name]
+        if result.metrics is None:
+            cells += [result.status, "-"]
+        else:
+            sign = "" if result.status == "complete" else "*"
+            cells += [f"{result.metrics.coverage:.3f}{sign}", f"{result.metrics.makespan_s:.0f}"]
+    return (
+        f"`{subject.label}`",
+        subject.format,
+        f"{x1 - x0:.0f} x {y1 - y0:.0f}",
+        f"{subject.world.area_m2:.0f}",
+        f"{len(subject.world.edges):,}",
+        subject.body,
+        *cells,
+        f"{sum(result.computing_s for result in made.values()):.0f}",
+    )
+
+
+def _unfinished(made: Mapping[str, Mapping[str, Result]]) -> list[str]:
+    lines = [
+        f"- `{label}`, {name}: {result.status.replace('_', ' ')}; {result.reason}"
+        for label, by_strategy in made.items()
+        for name, result in by_strategy.items()
+        if result.status != "complete"
+    ]
+    return ["## Runs that did not end complete (*)", "", *lines, ""] if lines else []
+
+
+def contact_sheet(recordings: Mapping[str, Recording]) -> str:
+    """Return small pictures of runs beside each other, with their labels, as an SVG document."""
+    cell = PICTURE + GAP
+    rows = math.ceil(len(recordings) / COLUMNS)
+    width, height = GAP + COLUMNS * cell, GAP + rows * (cell + LABEL)
+    drawn = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" '
+        f'font-family="Helvetica, Arial, sans-serif" font-size="9">',
+        f'<rect width="{width}" height="{height}" fill="#ffffff"/>',
+    ]
+    for number, (label, recording) in enumerate(recordings.items()):
+        x, y = GAP + number % COLUMNS * cell, GAP + number // COLUMNS * (cell + LABEL)
+        place = f'x="{x}" y="{y}" width="{PICTURE}" height="{PICTURE}"'
+        drawn.append(small_svg(recording, label).replace("<svg ", f"<svg {place} ", 1))
+        name = html.escape(label)
+        drawn.append(f'<text x="{x}" y="{y + PICTURE + LABEL - 3}">{name}</text>')
+    return "\n".join([*drawn, "</svg>"]) + "\n"
+
+
+def _arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description="explore every map of a folder")
+    parser.add_argument("folder", type=Path, help="a folder with map files, at any depth")
+    parser.add_argument("--out", type=Path, required=True, help="where results are written")
+    parser.add_argument("--workers", type=int, help="processes; by default one for each core")
+    return parser.parse_args()
+
+
+if __name__ == "__main__":
+    main()

@@ -286,7 +286,7 @@ def shown(value: object) -> str:
     """Return a value from a file as short text for a message."""
     if isinstance(value, list | tuple | dict | set):
         return f"a {type(value).__name__} of {len(value)}"
-    if isinstance(value, int) and abs(value) >= 10**60:
+    if isinstance(value, int) and value.bit_length() > 10_000:
         return f"a whole number of {value.bit_length():,} bits"  # not all can be written
     text = repr(value)
     return text if len(text) <= 60 else text[:57] + "..."

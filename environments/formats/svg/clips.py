@@ -28,6 +28,9 @@ MAX_CUT_POINTS: Final = 10_000_000
 POINTS_PER_CUT: Final = 100
 """What a cut costs beside its points, in points."""
 
+POINTS_PER_COUNT: Final = 400
+"""What counting the crossings of a cut costs, in points."""
+
 SMALL_PRODUCT: Final = 10_000
 """Product of two numbers of edges up to which their crossings are not counted."""
 
@@ -94,6 +97,7 @@ class Clipper:
             )
         if points * len(mask.edges) <= SMALL_PRODUCT:
             return
+        self._cut_points += POINTS_PER_COUNT
         low, high = np.split(shapely.total_bounds([area]), 2)
         ends = mask.edges.reshape(-1, 2, 2)
         near = (ends.max(axis=1) >= low).all(axis=1) & (ends.min(axis=1) <= high).all(axis=1)

@@ -145,6 +145,10 @@ HEAVY: Final[dict[str, tuple[str, str, Options, Callable[[], str]]]] = {
     "wkt: nested polygons": ("wkt", ".wkt", {}, lambda: wkt(nested(5000))),
     "geojson: a star": ("geojson", ".geojson", _REPAIR, lambda: geojson([star(4001)])),
     "geojson: a lattice": ("geojson", ".geojson", {}, lambda: geojson(lattice(1000))),
+    "house_expo: one triangle, 700 times": (
+        *("house_expo", ".json", {}),
+        lambda: f'{{"verts": [[0, 0], {", ".join(["[7, 3], [7, 9], [0, 3]"] * 700)}]}}',
+    ),
     "house_expo: a star": (
         *("house_expo", ".json", {}),
         lambda: f'{{"verts": [{", ".join(f"[{x}, {y}]" for x, y in star(4001))}]}}',
@@ -177,9 +181,7 @@ HEAVY: Final[dict[str, tuple[str, str, Options, Callable[[], str]]]] = {
     ),
     "svg: a lattice": (
         *("svg", ".svg", ONE_METRE),
-        lambda: SVG.format(
-            "".join(f'<polygon points="{points(ring)}"/>' for ring in lattice(330))
-        ),
+        lambda: SVG.format("".join(f'<polygon points="{points(ring)}"/>' for ring in lattice(330))),
     ),
     "svg: clip paths in each other": ("svg", ".svg", ONE_METRE, lambda: svg_clips(3000, 50)),
     "svg: a clip path of many shapes": (
@@ -218,7 +220,7 @@ HEAVY: Final[dict[str, tuple[str, str, Options, Callable[[], str]]]] = {
     "svg: a symbol of many transforms": (
         *("svg", ".svg", ONE_METRE),
         lambda: SVG.format(
-            f'<defs><rect id="p" width="1" height="1" transform="{"scale(1)" * 99}"/></defs>'
+            f'<defs><rect id="p" width="1" height="1" transform="{"scale(1)" * 20}"/></defs>'
             + '<use href="#p"/>' * 40_000
         ),
     ),

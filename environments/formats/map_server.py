@@ -142,10 +142,10 @@ def _entries(path: Path) -> dict[object, object]:
         mark = error.problem_mark
         place = f", line {mark.line + 1}, column {mark.column + 1}" if mark else ""
         raise MapFormatError(f"{path} is not YAML{place}: {error.problem}") from error
-    except (yaml.YAMLError, ValueError, RecursionError) as error:
-        if isinstance(error, MapFormatError):
-            raise
-        reason = " ".join(str(error).split())[:200]
+    except MapFormatError:
+        raise
+    except Exception as error:  # values with wrong tags make the library raise almost anything
+        reason = " ".join(str(error).split())[:200] or type(error).__name__
         raise MapFormatError(f"{path} is not YAML: {reason}") from error
     if not isinstance(loaded, dict):
         raise MapFormatError(

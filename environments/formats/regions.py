@@ -32,7 +32,7 @@ Overlays test each of them, which takes about two seconds.
 """
 
 MAX_CROSSINGS: Final = 200_000
-"""Upper bound of the pairs of edges that touch, but for those with a common end.
+"""Upper bound of the pairs of edges that touch in more than a common end.
 
 Overlays with as many take about four seconds.
 """
@@ -70,7 +70,7 @@ class EdgePairs(NamedTuple):
     near : int
         Those whose bounding boxes meet.
     crossing : int
-        Those that touch and have no common end.
+        Those that touch in more than a common end.
     """
 
     compared: int
@@ -399,12 +399,21 @@ def _count_pairs(
                 continue
             if (a > 0.0 and b > 0.0) or (a < 0.0 and b < 0.0):
                 continue
-            if (
+            have_common_end = (
                 (ax == cx and ay == cy)
                 or (ax == dx and ay == dy)
                 or (bx == cx and by == cy)
                 or (bx == dx and by == dy)
-            ):
+            )
+            overlap = (
+                c == 0.0
+                and d == 0.0
+                and (
+                    min(right, max(cx, dx)) > max(min(ax, bx), min(cx, dx))
+                    or min(high, max(cy, dy)) > max(low, min(cy, dy))
+                )
+            )
+            if have_common_end and not overlap:
                 continue
             crossing += 1
         if compared > max_compared or near > max_near or crossing > max_crossing:

@@ -192,7 +192,16 @@ class _Plan:
             if len(points) > 1
         ]
         require_few_crossings(self._path, strings, sides)
+        self._points = 0
         self.corner = (0.0, 0.0)
+
+    def _count(self, area: BaseGeometry) -> None:
+        self._points += int(shapely.get_num_coordinates(area))
+        if self._points > MAX_POINTS:
+            raise MapFormatError(
+                f"{self._path}: its areas have more than {MAX_POINTS:,} points, with round ends of "
+                "lines as polygons; simplify it"
+            )
 
     def starts(self) -> list[tuple[float, float]]:
         """Return the centres of the parts of starts."""
@@ -212,7 +221,9 @@ class _Plan:
             if one.role is None or one.role is Role.START:
                 continue
             try:
-                areas[one.role].append(self._clipper.cut(one, self._named_area(one, lines)))
+                area = self._clipper.cut(one, self._named_area(one, lines))
+                self._count(area)
+                areas[one.role].append(area)
             except SvgError as error:
                 raise self._document.wrong(one.element, error) from error
         require_few_crossings(self._path, [area for some in areas.values() for area in some])
@@ -292,6 +303,7 @@ class _Plan:
             )
             area = self._clipper.cut(one, area)
             if not area.is_empty:
+                self._count(area)
                 paints.append(_Paint(area, is_light))
         return paints
 

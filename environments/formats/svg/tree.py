@@ -26,7 +26,7 @@ SVG_NAMESPACE: Final = "http://www.w3.org/2000/svg"
 LABEL: Final = "http://www.inkscape.org/namespaces/inkscape label"
 HREFS: Final = ("href", "http://www.w3.org/1999/xlink href")
 
-MAX_DRAWN: Final = 50_000
+MAX_DRAWN: Final = 25_000
 """Upper bound of the elements that are drawn, those in symbols as often as they are used."""
 
 MAX_CHARACTERS: Final = 8 * 2**20

@@ -31,10 +31,10 @@ MAX_NEAR: Final = 20_000_000
 Overlays test each of them, which takes about two seconds.
 """
 
-MAX_CROSSINGS: Final = 200_000
+MAX_CROSSINGS: Final = 100_000
 """Upper bound of the pairs of edges that touch in more than a common end.
 
-Overlays with as many take about four seconds.
+Overlays with as many take two to seven seconds.
 """
 
 MAX_OVERLAPS: Final = 1_000_000

@@ -29,7 +29,7 @@ HREFS: Final = ("href", "http://www.w3.org/1999/xlink href")
 MAX_DRAWN: Final = 25_000
 """Upper bound of the elements that are drawn, those in symbols as often as they are used."""
 
-MAX_CHARACTERS: Final = 8 * 2**20
+MAX_CHARACTERS: Final = 6 * 2**20
 """Upper bound of the characters of their attributes, counted likewise."""
 
 SHAPES: Final = frozenset({"path", "rect", "circle", "ellipse", "line", "polyline", "polygon"})

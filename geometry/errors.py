@@ -37,7 +37,24 @@ class InvalidInputError(MultiSrtError, ValueError):
 
 
 class MapFormatError(InvalidInputError):
-    """A map file cannot be read; the message names the file, the place in it and the remedy."""
+    r"""A map file cannot be read; the message names the file, the place in it and the remedy.
+
+    Messages cite files, whose characters may be anything: those that a terminal would not show, or
+    obey, are escaped, so that a message is one line of text.
+
+    Parameters
+    ----------
+    message : str
+        What is wrong, where, and what to do.
+
+    Examples
+    --------
+    >>> print(MapFormatError("hall.yaml names the image \x1b[2J\n"))
+    hall.yaml names the image \x1b[2J\n
+    """
+
+    def __init__(self, message: str) -> None:
+        super().__init__(message if message.isprintable() else escaped(message))
 
 
 class ClearanceError(InvalidInputError):
@@ -63,6 +80,24 @@ class ClearanceError(InvalidInputError):
 
     def __str__(self) -> str:
         return str(self.args[0])
+
+
+def escaped(text: str) -> str:
+    r"""Return a text with characters that are not printable as escapes of Python.
+
+    Parameters
+    ----------
+    text : str
+        A text that cites a file.
+
+    Examples
+    --------
+    >>> print(escaped("a door\tof 9 \u20ac\n"))
+    a door\tof 9 €\n
+    """
+    return "".join(
+        sign if sign.isprintable() else sign.encode("unicode_escape").decode() for sign in text
+    )
 
 
 def did_you_mean(word: object, known: Iterable[object]) -> str:

@@ -17,7 +17,7 @@ from multisrt.environments.formats.bitmap import (
     displacement_bound_m,
     polygons_from_grid,
 )
-from multisrt.geometry.errors import InvalidInputError, MapFormatError
+from multisrt.geometry.errors import InvalidInputError, MapFormatError, escaped
 from multisrt.geometry.numerics.kernel import BoolArray
 
 MAX_TEXT_BYTES = 64 * 2**20
@@ -190,7 +190,7 @@ def require_number(path: Path, what: str, value: Any) -> float:
         If it is not a number.
     """
     if not isinstance(value, bool | str):
-        with suppress(TypeError, ValueError):
+        with suppress(TypeError, ValueError, OverflowError):
             return float(value)
     raise MapFormatError(f"{path}: the {what} is a number, not {value!r}")
 
@@ -275,7 +275,7 @@ def build_environment(
             path.stem if name is None else name,
             free,
             starts=starts,
-            origin=origin,
+            origin=escaped(origin),  # it may cite names of the file
             cleaning=cleaning,
         )
     except InvalidInputError as error:
@@ -286,5 +286,7 @@ def shown(value: object) -> str:
     """Return a value from a file as short text for a message."""
     if isinstance(value, list | tuple | dict | set):
         return f"a {type(value).__name__} of {len(value)}"
+    if isinstance(value, int) and value.bit_length() > 10_000:
+        return f"a whole number of {value.bit_length():,} bits"  # not all can be written
     text = repr(value)
     return text if len(text) <= 60 else text[:57] + "..."

@@ -21,6 +21,7 @@ from multisrt.environments.formats.files import (
     shown,
 )
 from multisrt.environments.formats.map_format import Beginning, MapFormat
+from multisrt.environments.formats.regions import require_few_overlaps
 from multisrt.geometry.errors import MapFormatError
 
 KINDS = {
@@ -82,6 +83,9 @@ def read_geojson(
         _add(world, root, document, "free")
     except RecursionError as error:
         raise root.error("collections are nested too deep", "flatten them") from error
+    require_few_overlaps(path, [polygon for _, polygon, _ in world.polygons])
+    for place, polygon, kind in world.polygons:
+        _unite(world, place, polygon, kind)
     if not world.free:
         raise root.error("there is no free space", "add a Polygon of kind outline")
     free, overlaps = united(world.free)
@@ -119,6 +123,7 @@ class _Place:
 @dataclass(slots=True)
 class _World:
     repair: bool
+    polygons: list[tuple["_Place", Polygon, str]] = field(default_factory=list)
     free: list[BaseGeometry] = field(default_factory=list)
     obstacles: list[BaseGeometry] = field(default_factory=list)
     starts: list[tuple[float, float]] = field(default_factory=list)
@@ -189,14 +194,19 @@ def _add_polygon(world: _World, place: _Place, rings: object, kind: str) -> None
     shell, *holes = [
         _ring(world, place.at("ring", number), ring) for number, ring in enumerate(rings, start=1)
     ]
-    polygon: BaseGeometry = Polygon(shell, holes)
-    if not polygon.is_valid:
+    world.polygons.append((place, Polygon(shell, holes), kind))
+
+
+def _unite(world: _World, place: _Place, drawn: Polygon, kind: str) -> None:
+    """Add a polygon to free space or to the obstacles, repaired if need be."""
+    polygon: BaseGeometry = drawn
+    if not drawn.is_valid:
         if not world.repair:
             raise place.error(
-                f"the polygon is not valid: {shapely.is_valid_reason(polygon)}",
+                f"the polygon is not valid: {shapely.is_valid_reason(drawn)}",
                 f"draw rings that do not cross, or {FIXING}",
             )
-        polygon, changed = repaired(Polygon(shell, holes))
+        polygon, changed = repaired(drawn)
         world.cleaning += changed
     if not polygon.is_empty:
         (world.free if kind == "free" else world.obstacles).append(polygon)

@@ -17,6 +17,7 @@ from multisrt.environments.formats.files import (
     shown,
 )
 from multisrt.environments.formats.map_format import Beginning, MapFormat
+from multisrt.environments.formats.regions import require_few_overlaps
 from multisrt.geometry.errors import MapFormatError
 
 MAX_NAME_LENGTH: Final = 80
@@ -77,10 +78,12 @@ def read_house_expo(
         [_vertex(path, number, at) for number, at in enumerate(vertices, start=1)]
     )
     if not outline.is_valid:
+        require_few_overlaps(path, [outline])
         outline = shapely.make_valid(outline, method="linework")
     house = plan.get("id")
-    if name is None and isinstance(house, str) and 0 < len(house) <= MAX_NAME_LENGTH:
-        name = house
+    is_name = isinstance(house, str) and 0 < len(house) <= MAX_NAME_LENGTH
+    if name is None and is_name and str(house).isprintable():
+        name = str(house)
     return build_environment(path, outline, name=name, origin=path.name)
 
 

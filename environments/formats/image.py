@@ -193,8 +193,8 @@ def read_pixels(path: Path) -> Pixels:
 
     require_file(path)
     with warnings.catch_warnings():
-        # The size is checked here, before anything is decoded.
-        warnings.simplefilter("ignore", Image.DecompressionBombWarning)
+        # The size is checked here, before anything is decoded; other warnings are of metadata.
+        warnings.simplefilter("ignore")
         try:
             with Image.open(path, formats=PILLOW_FORMATS) as image:
                 _require_size(path, *image.size)

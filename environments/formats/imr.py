@@ -21,6 +21,7 @@ from multisrt.environments.formats.files import (
     shown,
 )
 from multisrt.environments.formats.map_format import Beginning, MapFormat
+from multisrt.environments.formats.regions import require_few_overlaps
 from multisrt.geometry.errors import MapFormatError
 
 SECTIONS: Final = ("[SCALE]", "[BORDER]", "[OBSTACLE]")
@@ -105,6 +106,7 @@ def read_imr(
     borders: list[BaseGeometry] = []
     obstacles: list[BaseGeometry] = []
     cleaning = Cleaning()
+    require_few_overlaps(path, [polygon for _, _, polygon in polygons])
     for is_border, section, polygon in polygons:
         if not (polygon.is_valid or repair):
             raise section.error(

@@ -11,6 +11,7 @@ from multisrt.environments.environment import Environment
 from multisrt.environments.formats.files import (
     build_environment,
     grid_polygons,
+    named_file,
     read_text,
     refuse_resolution,
     refuse_threshold,
@@ -23,8 +24,8 @@ from multisrt.environments.formats.map_format import Beginning, MapFormat
 from multisrt.geometry.errors import MapFormatError
 from multisrt.geometry.numerics.kernel import BoolArray, FloatArray
 
-MAX_YAML_BYTES = 2**20
-"""Upper bound of the size of YAML files, in bytes (1 MiB)."""
+MAX_YAML_BYTES = 2**16
+"""Upper bound of the size of YAML files, in bytes (64 KiB)."""
 
 REQUIRED_KEYS = ("image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh")
 
@@ -49,7 +50,7 @@ def read_map_server(
     Parameters
     ----------
     path : Path
-        The YAML file. Its ``image`` is relative to its folder or absolute; ``origin`` is the
+        The YAML file. Its ``image`` is in its folder or below; ``origin`` is the
         pose x, y, yaw of the image's lower left corner, and a yaw turns the world.
     resolution_m, threshold
         Rejected: the file states its own.
@@ -132,15 +133,20 @@ def _entries(path: Path) -> dict[object, object]:
     import yaml
 
     try:
-        loaded = yaml.safe_load(read_text(path, max_bytes=MAX_YAML_BYTES))
+        text = read_text(path, max_bytes=MAX_YAML_BYTES)
+        # Values that are merged again and again would grow without a bound.
+        if "*" in text and any(isinstance(event, yaml.AliasEvent) for event in yaml.parse(text)):
+            raise MapFormatError(f"{path} has an alias (*name); write out the value in its place")
+        loaded = yaml.safe_load(text)
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark
         place = f", line {mark.line + 1}, column {mark.column + 1}" if mark else ""
         raise MapFormatError(f"{path} is not YAML{place}: {error.problem}") from error
-    except (yaml.YAMLError, ValueError, RecursionError) as error:
-        if isinstance(error, MapFormatError):
-            raise
-        raise MapFormatError(f"{path} is not YAML: {str(error)[:200]}") from error
+    except MapFormatError:
+        raise
+    except Exception as error:  # values with wrong tags make the library raise almost anything
+        reason = " ".join(str(error).split())[:200] or type(error).__name__
+        raise MapFormatError(f"{path} is not YAML: {reason}") from error
     if not isinstance(loaded, dict):
         raise MapFormatError(
             f"{path} is not a map: it has no keys; a map_server YAML has {', '.join(REQUIRED_KEYS)}"
@@ -158,17 +164,16 @@ def _image_path(path: Path, entries: dict[object, object]) -> Path:
     image = entries["image"]
     if not isinstance(image, str):
         raise MapFormatError(f"{path}: image is {shown(image)}; it is the name of a file")
-    found = path.parent / image
+    found = named_file(path.parent, image, f"{path}: image")
     try:
-        if not found.exists():
-            raise MapFormatError(
-                f"{path} names the image {image}, which is not in {found.parent}; "
-                "copy it there or correct the name"
-            )
-    except (OSError, ValueError) as error:
-        if isinstance(error, MapFormatError):
-            raise
+        exists = found.exists()
+    except OSError as error:
         raise MapFormatError(f"{path}: the image {shown(image)} cannot be opened") from error
+    if not exists:
+        raise MapFormatError(
+            f"{path} names the image {image[:200]}, which is not in {found.parent}; "
+            "copy it there or correct the name"
+        )
     return found
 
 

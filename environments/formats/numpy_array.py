@@ -175,9 +175,7 @@ def _header(path: Path, file: Any) -> tuple[tuple[int, ...], bool, np.dtype[Any]
             warnings.simplefilter("ignore")  # headers that Python 2 wrote
             shape, fortran_order, dtype = read_header(file, max_header_size=MAX_HEADER_BYTES)
     except Exception as error:  # the header is a literal: parsing it raises almost anything
-        raise MapFormatError(
-            f"{path} has a damaged header: {str(error)[:100]}; write it with numpy.save"
-        ) from error
+        raise MapFormatError(f"{path} has a damaged header; write it with numpy.save") from error
     if any(isinstance(side, bool) or side < 0 for side in shape):
         raise MapFormatError(f"{path} has the shape {shape}; sides are not negative")
     return shape, fortran_order, dtype

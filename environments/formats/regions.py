@@ -1,5 +1,7 @@
 """Areas of drawn rings and lines, at a cost that is bounded before they are computed."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Final, Literal, NamedTuple
@@ -17,13 +19,28 @@ from multisrt.geometry.numerics.kernel import FloatArray, IntArray, kernel
 MAX_POINTS: Final = 200_000
 """Upper bound of the points of a drawing, with its curves as polylines."""
 
-MAX_CANDIDATES: Final = 4_000_000_000
-"""Upper bound of the pairs of edges that are compared."""
+MAX_MAP_POINTS: Final = 5_000_000
+"""Upper bound of the points of a map of several polygons."""
 
-MAX_CROSSINGS: Final = 500_000
-"""Upper bound of the pairs of edges that touch, but for those with a common end."""
+MAX_COMPARED: Final = 1_000_000_000
+"""Upper bound of the pairs of edges that are compared, which takes about a second."""
 
-MAX_WINDINGS: Final = 2_000_000_000
+MAX_NEAR: Final = 20_000_000
+"""Upper bound of the pairs of edges whose bounding boxes meet.
+
+Overlays test each of them, which takes about two seconds.
+"""
+
+MAX_CROSSINGS: Final = 100_000
+"""Upper bound of the pairs of edges that touch in more than a common end.
+
+Overlays with as many take two to seven seconds.
+"""
+
+MAX_OVERLAPS: Final = 1_000_000
+"""Upper bound of the pairs of polygons whose bounding boxes meet."""
+
+MAX_WINDINGS: Final = 300_000_000
 """Upper bound of the product of faces and edges of one shape."""
 
 PIECE_POINTS: Final = 100
@@ -43,8 +60,43 @@ class Pen(NamedTuple):
     quad_segs: int = 8
 
 
+class EdgePairs(NamedTuple):
+    """Numbers of pairs of edges.
+
+    Attributes
+    ----------
+    compared : int
+        Those that are compared to find the others.
+    near : int
+        Those whose bounding boxes meet.
+    crossing : int
+        Those that touch in more than a common end.
+    """
+
+    compared: int
+    near: int
+    crossing: int
+
+    def plus(self, more: EdgePairs) -> EdgePairs:
+        """Return the sum of two counts."""
+        return EdgePairs(*(a + b for a, b in zip(self, more, strict=True)))
+
+    @property
+    def are_too_many(self) -> bool:
+        """Whether an overlay would have no bound."""
+        return any(count > bound for count, bound in zip(self, MAX_PAIRS, strict=True))
+
+
+MAX_PAIRS: Final = EdgePairs(MAX_COMPARED, MAX_NEAR, MAX_CROSSINGS)
+"""The upper bounds of each."""
+
+
 def require_few_crossings(
-    path: Path, geometries: Sequence[BaseGeometry], sides: Sequence[FloatArray] = ()
+    path: Path,
+    geometries: Sequence[BaseGeometry],
+    sides: Sequence[FloatArray] = (),
+    *,
+    max_points: int = MAX_POINTS,
 ) -> None:
     """Reject drawings whose edges cross so often that overlays of them have no bound.
 
@@ -56,14 +108,67 @@ def require_few_crossings(
         Lines and polygons that are to be overlaid.
     sides : sequence of float arrays, shape (n, 2, 2)
         Further edges, as `sides_of_stroke` returns them.
+    max_points : int
+        Upper bound of the points.
 
     Raises
     ------
     MapFormatError
-        If there are more than `MAX_POINTS` points, or more than `MAX_CROSSINGS` pairs of edges
-        touch.
+        If there are more points, or more pairs of edges than `MAX_PAIRS`.
     """
-    edges = np.concatenate([_edges(path, geometries), *sides]).reshape(-1, 4)
+    edges = np.concatenate([_edges(path, geometries, max_points), *sides]).reshape(-1, 4)
+    if count_pairs(edges).are_too_many:
+        raise too_many_crossings(path)
+
+
+def require_few_overlaps(path: Path, polygons: Sequence[BaseGeometry]) -> None:
+    """Reject polygons of a map whose union, difference or repair has no bound.
+
+    Parameters
+    ----------
+    path : Path
+        The file, for messages.
+    polygons : sequence of Polygon or MultiPolygon
+        All polygons of the map, with finite coordinates. One that is valid is never rejected.
+
+    Raises
+    ------
+    MapFormatError
+        If there are more pairs of edges than `MAX_PAIRS`, or more than `MAX_OVERLAPS` pairs of
+        polygons whose bounding boxes meet.
+    """
+    shapes = np.asarray(polygons, np.object_)
+    if len(shapes) == 1 and shapes[0].is_valid:
+        return
+    boxes = shapely.bounds(shapes)
+    if _overlap_too_often(boxes[np.argsort(boxes[:, 0])], MAX_COMPARED, MAX_OVERLAPS):
+        raise MapFormatError(f"{path}: its polygons overlap too often; unite those that do")
+    require_few_crossings(path, polygons, max_points=MAX_MAP_POINTS)
+
+
+def too_many_crossings(path: Path) -> MapFormatError:
+    """Return the error of a file whose edges cross too often."""
+    return MapFormatError(
+        f"{path}: its lines cross too often; leave out hatchings and patterns, and simplify it"
+    )
+
+
+def count_pairs(edges: FloatArray) -> EdgePairs:
+    """Return how many pairs of edges an overlay has to do with.
+
+    Counting ends soon after a bound is exceeded.
+
+    Parameters
+    ----------
+    edges : float array, shape (n, 4)
+        Their ends x0, y0, x1, y1.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> count_pairs(np.array([[0.0, 0.0, 4.0, 4.0], [0.0, 4.0, 4.0, 0.0]])).crossing
+    1
+    """
     low, high = np.minimum(edges[:, :2], edges[:, 2:]), np.maximum(edges[:, :2], edges[:, 2:])
     extent = high.max(axis=0, initial=-np.inf) - low.min(axis=0, initial=np.inf)
     # Along the axis of which edges cover less, fewer pairs overlap.
@@ -71,11 +176,7 @@ def require_few_crossings(
     if cover[1] < cover[0]:
         edges = edges[:, [1, 0, 3, 2]]
     order = np.argsort(np.minimum(edges[:, 0], edges[:, 2]), kind="stable")
-    if _cross_too_often(edges[order], MAX_CANDIDATES, MAX_CROSSINGS):
-        raise MapFormatError(
-            f"{path}: lines of the drawing cross too often; "
-            "leave out hatchings and patterns, and simplify it"
-        )
+    return EdgePairs(*_count_pairs(edges[order], *MAX_PAIRS))
 
 
 def opened(walls: BaseGeometry, openings: BaseGeometry) -> BaseGeometry:
@@ -180,19 +281,38 @@ def _cap(points: FloatArray, radius: float, pen: Pen) -> BaseGeometry:
     return shapely.buffer(shapely.LineString([start, end]), radius, cap_style="flat")
 
 
-def _edges(path: Path, geometries: Sequence[BaseGeometry]) -> FloatArray:
-    """Return the edges of geometries as ``(n, 2, 2)`` points."""
+def edges_of(geometries: Sequence[BaseGeometry]) -> FloatArray:
+    """Return the edges of lines and polygons as ``(n, 4)`` ends x0, y0, x1, y1.
+
+    Parameters
+    ----------
+    geometries : sequence of geometries
+        Lines and polygons, also several in one.
+
+    Examples
+    --------
+    >>> edges_of([shapely.box(0, 0, 4, 3)])[0].tolist()
+    [4.0, 0.0, 4.0, 3.0]
+    """
     rings = shapely.get_parts(shapely.get_parts(np.asarray(geometries, np.object_)))
     polygons = shapely.get_type_id(rings) == shapely.GeometryType.POLYGON
     lines = np.concatenate([rings[~polygons], shapely.get_rings(rings[polygons])])
     points, owner = shapely.get_coordinates(lines, return_index=True)
-    if len(points) > MAX_POINTS:
-        raise MapFormatError(
-            f"{path} has {len(points):,} points, with curves as polylines; drawings are read up "
-            f"to {MAX_POINTS:,}, so simplify it"
-        )
     inner = owner[1:] == owner[:-1]
-    return np.stack([points[:-1][inner], points[1:][inner]], axis=1)
+    return np.hstack([points[:-1][inner], points[1:][inner]])
+
+
+def _edges(
+    path: Path, geometries: Sequence[BaseGeometry], max_points: int = MAX_POINTS
+) -> FloatArray:
+    """Return the edges of geometries as ``(n, 2, 2)`` points."""
+    count = int(shapely.get_num_coordinates(np.asarray(geometries, np.object_)).sum())
+    if count > max_points:
+        raise MapFormatError(
+            f"{path} has {count:,} points, with curves as polylines; drawings are read up "
+            f"to {max_points:,}, so simplify it"
+        )
+    return edges_of(geometries).reshape(-1, 2, 2)
 
 
 def filled(path: Path, rings: Sequence[FloatArray], rule: FillRule) -> BaseGeometry:
@@ -252,12 +372,14 @@ def filled(path: Path, rings: Sequence[FloatArray], rule: FillRule) -> BaseGeome
 
 
 @kernel
-def _cross_too_often(edges: FloatArray, max_candidates: int, max_crossings: int) -> bool:
-    """Return whether more pairs of edges touch, or have to be compared, than is allowed.
+def _count_pairs(
+    edges: FloatArray, max_compared: int, max_near: int, max_crossing: int
+) -> tuple[int, int, int]:
+    """Return the numbers of `EdgePairs`, until one is larger than allowed.
 
     The edges x0, y0, x1, y1 are in the order of their smaller x.
     """
-    candidates = crossings = 0
+    compared = near = crossing = 0
     for i in range(len(edges)):
         ax, ay, bx, by = edges[i]
         right, low, high = max(ax, bx), min(ay, by), max(ay, by)
@@ -265,9 +387,10 @@ def _cross_too_often(edges: FloatArray, max_candidates: int, max_crossings: int)
             cx, cy, dx, dy = edges[j]
             if min(cx, dx) > right:
                 break
-            candidates += 1
+            compared += 1
             if max(cy, dy) < low or min(cy, dy) > high:
                 continue
+            near += 1
             c = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
             d = (bx - ax) * (dy - ay) - (by - ay) * (dx - ax)
             a = (dx - cx) * (ay - cy) - (dy - cy) * (ax - cx)
@@ -276,15 +399,43 @@ def _cross_too_often(edges: FloatArray, max_candidates: int, max_crossings: int)
                 continue
             if (a > 0.0 and b > 0.0) or (a < 0.0 and b < 0.0):
                 continue
-            if (
+            have_common_end = (
                 (ax == cx and ay == cy)
                 or (ax == dx and ay == dy)
                 or (bx == cx and by == cy)
                 or (bx == dx and by == dy)
-            ):
+            )
+            overlap = (
+                c == 0.0
+                and d == 0.0
+                and (
+                    min(right, max(cx, dx)) > max(min(ax, bx), min(cx, dx))
+                    or min(high, max(cy, dy)) > max(low, min(cy, dy))
+                )
+            )
+            if have_common_end and not overlap:
                 continue
-            crossings += 1
-        if candidates > max_candidates or crossings > max_crossings:
+            crossing += 1
+        if compared > max_compared or near > max_near or crossing > max_crossing:
+            break
+    return compared, near, crossing
+
+
+@kernel
+def _overlap_too_often(boxes: FloatArray, max_compared: int, max_overlaps: int) -> bool:
+    """Return whether more pairs of boxes meet, or have to be compared, than is allowed.
+
+    The boxes x0, y0, x1, y1 are in the order of x0.
+    """
+    compared = overlaps = 0
+    for i in range(len(boxes)):
+        for j in range(i + 1, len(boxes)):
+            if boxes[j, 0] > boxes[i, 2]:
+                break
+            compared += 1
+            if boxes[j, 1] <= boxes[i, 3] and boxes[j, 3] >= boxes[i, 1]:
+                overlaps += 1
+        if compared > max_compared or overlaps > max_overlaps:
             return True
     return False
 

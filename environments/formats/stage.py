@@ -26,6 +26,7 @@ from multisrt.environments.formats.files import (
 )
 from multisrt.environments.formats.image import read_pixels
 from multisrt.environments.formats.map_format import Beginning, MapFormat
+from multisrt.environments.formats.regions import require_few_overlaps
 from multisrt.environments.formats.worldfile import Entity, parse_worldfile
 from multisrt.geometry.errors import MapFormatError
 from multisrt.geometry.numerics.kernel import FloatArray
@@ -306,11 +307,13 @@ class _World:
         if len(self.floorplans) == 1:
             (one,) = self.floorplans
             free = one.pose.place(one.free)
+            require_few_overlaps(self.path, [free, *self.obstacles])
             return free - shapely.union_all(self.obstacles) if self.obstacles else free
         placed = [plan.pose.place(plan.free) for plan in self.floorplans]
-        free = shapely.union_all(placed, grid_size=SNAP_M)
         walls = [plan.pose.place(plan.ground - plan.free) for plan in self.floorplans]
+        require_few_overlaps(self.path, [*placed, *walls, *self.obstacles])
         solid = shapely.union_all([*walls, *self.obstacles], grid_size=SNAP_M)
+        free = shapely.union_all(placed, grid_size=SNAP_M)
         return shapely.difference(free, solid, grid_size=SNAP_M)
 
     def _add_model(self, entity: Entity, pose: _Pose) -> None:

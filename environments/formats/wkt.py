@@ -18,6 +18,7 @@ from multisrt.environments.formats.files import (
     refuse_threshold,
 )
 from multisrt.environments.formats.map_format import Beginning, MapFormat
+from multisrt.environments.formats.regions import require_few_overlaps
 from multisrt.geometry.errors import MapFormatError
 
 MAX_DEPTH = 16
@@ -55,9 +56,12 @@ def read_wkt(
     refuse_resolution(path, resolution_m)
     refuse_threshold(path, threshold)
     geometry, cleaning = _parsed(path, repair=repair)
-    polygons: list[BaseGeometry] = []
-    for number, polygon in enumerate(_polygons(path, geometry), start=1):
+    drawn = _polygons(path, geometry)
+    for number, polygon in enumerate(drawn, start=1):
         _require_valid(path, number, polygon, repair=repair)
+    require_few_overlaps(path, drawn)
+    polygons: list[BaseGeometry] = []
+    for polygon in drawn:
         valid, changed = repaired(polygon)
         cleaning += changed
         polygons.append(valid)
@@ -74,8 +78,10 @@ def _parsed(path: Path, *, repair: bool) -> tuple[BaseGeometry, Cleaning]:
             f"{path}: parentheses are nested more than {MAX_DEPTH} deep; flatten the collection"
         )
     try:
-        with np.errstate(invalid="ignore"):  # not a number is refused where it stands
+        # What is not finite is refused where it stands.
+        with np.errstate(invalid="ignore", over="ignore"):
             geometry = shapely.from_wkt(text, on_invalid="fix" if repair else "raise")
+            flat = shapely.force_2d(geometry)
     except (shapely.errors.ShapelyError, ValueError) as error:
         reason = (
             str(error).removeprefix("ParseException: ").removeprefix("IllegalArgumentException: ")
@@ -84,7 +90,7 @@ def _parsed(path: Path, *, repair: bool) -> tuple[BaseGeometry, Cleaning]:
             f"{path} is not well-known text: {reason}; it is POLYGON ((x y, x y, ...), ...), "
             f"MULTIPOLYGON or GEOMETRYCOLLECTION, with every ring closed; of open rings {FIXING}"
         ) from error
-    return shapely.force_2d(geometry), Cleaning(closed_rings=_open_rings(text) if repair else 0)
+    return flat, Cleaning(closed_rings=_open_rings(text) if repair else 0)
 
 
 def _open_rings(text: str) -> int:

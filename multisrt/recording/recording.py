@@ -13,7 +13,7 @@ import shapely
 from multisrt.environments.environment import Environment
 from multisrt.events import AnyEvent, Event, NodeAdded, NodeName
 from multisrt.geometry.configuration import Configuration
-from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.errors import InvalidInputError, escaped
 from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.recording.files import atomic_write
 from multisrt.recording.flaws import flaw_of, order_flaws
@@ -183,7 +183,7 @@ class Recording:
                 if number == 1 and not _claims_to_be_header(text):
                     raise _no_header(path) from None
                 raise InvalidInputError(
-                    f"{path}, line {number}: not a line of a recording: {error}"
+                    f"{path}, line {number}: not a line of a recording: {escaped(str(error))}"
                 ) from None
             if number == 1:
                 _require_header(lines[0], path)

@@ -626,7 +626,7 @@ def test_uses_that_double_are_bounded(tmp_path):
         f'<g id="g{k}"><use href="#g{k - 1}"/><use href="#g{k - 1}"/></g>' for k in range(1, 40)
     )
     text = page(f'<defs><rect id="g0" width="1" height="1"/>{doubled}</defs><use href="#g39"/>')
-    with pytest.raises(MapFormatError, match="more than 100,000 elements are drawn"):
+    with pytest.raises(MapFormatError, match="more than 25,000 elements are drawn"):
         read(tmp_path, text)
 
 

@@ -14,7 +14,7 @@ MAX_NUMBER: Final = 1e12
 MAX_NUMBERS: Final = 400_000
 """Upper bound of the numbers in a list, two for each point of the largest drawing."""
 
-MAX_FUNCTIONS: Final = 100
+MAX_FUNCTIONS: Final = 20
 """Upper bound of the functions of a transform."""
 
 MAX_LENGTH_CHARACTERS: Final = 100

@@ -23,11 +23,9 @@ from multisrt.environments.formats.files import (
 )
 from multisrt.environments.formats.map_format import Beginning, MapFormat
 from multisrt.environments.formats.plan import Role, role_names
-from multisrt.environments.formats.regions import opened, require_few_crossings
-from multisrt.environments.formats.svg.lengths import (
-    SvgError,
-    matrix,
-)
+from multisrt.environments.formats.regions import MAX_POINTS, opened, require_few_crossings
+from multisrt.environments.formats.svg.clips import Clipper
+from multisrt.environments.formats.svg.lengths import SvgError
 from multisrt.environments.formats.svg.page import Page, page_of
 from multisrt.environments.formats.svg.shapes import (
     Outline,
@@ -38,13 +36,16 @@ from multisrt.environments.formats.svg.shapes import (
     stroke_sides,
 )
 from multisrt.environments.formats.svg.styles import lightness_and_alpha, opacity
-from multisrt.environments.formats.svg.tree import Clip, Document, Drawn
+from multisrt.environments.formats.svg.tree import Document, Drawn
 from multisrt.environments.formats.xml_text import read_xml, root_name
 from multisrt.geometry.errors import MapFormatError
 from multisrt.geometry.numerics.arrays import FloatArray
 
 DARK_LIGHTNESS: Final = 0.5
 """Default threshold: paint that is not lighter is a wall."""
+
+MAX_COVER_POINTS: Final = 1_000_000
+"""Upper bound of the points of light shapes over dark ones, counted for each dark one."""
 
 MAX_OUTSIDE: Final = 0.01
 """Largest share of walls that may be outside the page."""
@@ -160,9 +161,10 @@ class _Plan:
         self.has_names = any(one.role in named for one in shapes)
         if self.has_names:
             shapes = [one for one in shapes if one.role is not None]
-        self._clips: dict[tuple[int, bytes], BaseGeometry] = {}
+        self._clipper = Clipper(document)
         self._shapes: list[tuple[Drawn, Outline]] = []
         sides: list[FloatArray] = []
+        count = 0
         for one in shapes:
             if one.element.name == "image":
                 if one.role is not Role.START:
@@ -171,18 +173,35 @@ class _Plan:
                     )
                 continue
             try:
-                self._shapes.append((one, outline(one)))
-                sides += stroke_sides(*self._shapes[-1], page.px_m)
+                lines = outline(one)
+                # Before more are made of them: symbols may be used very often.
+                count += sum(len(points) for points, _ in lines.metres)
+                if count > MAX_POINTS:
+                    raise MapFormatError(
+                        f"{self._path} has more than {MAX_POINTS:,} points, with curves as "
+                        "polylines; simplify it"
+                    )
+                self._shapes.append((one, lines))
+                sides += stroke_sides(one, lines, page.px_m)
             except SvgError as error:
                 raise document.wrong(one.element, error) from error
-        lines = [
+        strings = [
             shapely.LineString(points)
             for _, outlines in self._shapes
             for points, _ in outlines.metres
             if len(points) > 1
         ]
-        require_few_crossings(self._path, lines, sides)
+        require_few_crossings(self._path, strings, sides)
+        self._points = 0
         self.corner = (0.0, 0.0)
+
+    def _count(self, area: BaseGeometry) -> None:
+        self._points += int(shapely.get_num_coordinates(area))
+        if self._points > MAX_POINTS:
+            raise MapFormatError(
+                f"{self._path}: its areas have more than {MAX_POINTS:,} points, with round ends of "
+                "lines as polygons; simplify it"
+            )
 
     def starts(self) -> list[tuple[float, float]]:
         """Return the centres of the parts of starts."""
@@ -202,7 +221,9 @@ class _Plan:
             if one.role is None or one.role is Role.START:
                 continue
             try:
-                areas[one.role].append(self._cut(one, self._named_area(one, lines)))
+                area = self._clipper.cut(one, self._named_area(one, lines))
+                self._count(area)
+                areas[one.role].append(area)
             except SvgError as error:
                 raise self._document.wrong(one.element, error) from error
         require_few_crossings(self._path, [area for some in areas.values() for area in some])
@@ -248,7 +269,7 @@ class _Plan:
                 except SvgError as error:
                     raise self._document.wrong(one.element, error) from error
         require_few_crossings(self._path, [paint.area for paint in paints])
-        walls = _topmost_dark(paints)
+        walls = _topmost_dark(self._path, paints)
         if walls.is_empty:
             raise MapFormatError(
                 f"{self._path} has no walls: no shape that is painted is darker than "
@@ -280,30 +301,11 @@ class _Plan:
                 if kind == "fill"
                 else stroke_area(one, lines, self._page.px_m)
             )
-            area = self._cut(one, area)
+            area = self._clipper.cut(one, area)
             if not area.is_empty:
+                self._count(area)
                 paints.append(_Paint(area, is_light))
         return paints
-
-    def _cut(self, one: Drawn, area: BaseGeometry) -> BaseGeometry:
-        """Return the part of an area that clip paths leave."""
-        for clip in one.clips:
-            key = (id(clip.element), clip.matrix.tobytes())
-            if key not in self._clips:
-                self._clips[key] = self._clip_area(clip, one.viewport)
-            area = area & self._clips[key]
-        return area
-
-    def _clip_area(self, clip: Clip, viewport: tuple[float, float]) -> BaseGeometry:
-        own = matrix(clip.element.attributes.get("transform", ""))
-        shapes = self._document.drawn(clip.element, clip.matrix @ own, viewport)
-        areas = [
-            fill_area(self._path, one, outline(one), "clip-rule")
-            for one in shapes
-            if one.element.name != "image"
-        ]
-        require_few_crossings(self._path, areas)
-        return shapely.union_all(np.asarray(areas)) if areas else Polygon()
 
     def _frame(self, walls: BaseGeometry) -> BaseGeometry:
         """Return the page, or else the box around walls."""
@@ -337,7 +339,7 @@ def _is_dashed(text: str) -> bool:
     return bool(re.search(r"[1-9]", text))
 
 
-def _topmost_dark(paints: list[_Paint]) -> BaseGeometry:
+def _topmost_dark(path: Path, paints: list[_Paint]) -> BaseGeometry:
     """Return the area on which the last paint is dark."""
     dark = [(k, paint.area) for k, paint in enumerate(paints) if not paint.is_light]
     light = [(k, paint.area) for k, paint in enumerate(paints) if paint.is_light]
@@ -347,10 +349,18 @@ def _topmost_dark(paints: list[_Paint]) -> BaseGeometry:
     if light:
         tree = shapely.STRtree([area for _, area in light])
         order = np.array([k for k, _ in light])
+        sizes = shapely.get_num_coordinates(tree.geometries)
+        points = 0
         for index, (k, area) in enumerate(dark):
             later = tree.query(area, predicate="intersects")
             later = later[order[later] > k]
             if later.size:
+                points += int(sizes[later].sum())
+                if points > MAX_COVER_POINTS:
+                    raise MapFormatError(
+                        f"{path}: its dark shapes lie under too many light ones; leave out the "
+                        "shapes that are hidden, or name layers " + role_names()
+                    )
                 cover = shapely.union_all(tree.geometries[np.sort(later)])
                 visible[index] = opened(area, cover)
     return shapely.union_all(visible)

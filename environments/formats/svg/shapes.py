@@ -61,7 +61,8 @@ def outline(drawn: Drawn) -> Outline:
         If an attribute is wrong, or a point is further away than worlds are large.
     """
     linear = drawn.matrix[:2, :2]
-    scale = float(np.linalg.norm(linear, 2))
+    (a, b), (c, d) = linear
+    scale = float(math.hypot(a + d, b - c) + math.hypot(a - d, b + c)) / 2  # its norm
     if scale < 1e-12:
         return Outline([], [], 0.0)
     local = _local(drawn, FLATNESS_M / scale)

@@ -41,7 +41,7 @@ MAX_STYLE_CHARACTERS: Final = 2**20
 MAX_RULES: Final = 2_000
 """Upper bound of the rules of style sheets."""
 
-MAX_MATCHES: Final = 10_000_000
+MAX_MATCHES: Final = 5_000_000
 """Upper bound of the rules that are tried on elements."""
 
 _PROPERTIES: Final = INITIAL.keys() | OWN.keys()

@@ -26,8 +26,11 @@ SVG_NAMESPACE: Final = "http://www.w3.org/2000/svg"
 LABEL: Final = "http://www.inkscape.org/namespaces/inkscape label"
 HREFS: Final = ("href", "http://www.w3.org/1999/xlink href")
 
-MAX_DRAWN: Final = 100_000
+MAX_DRAWN: Final = 25_000
 """Upper bound of the elements that are drawn, those in symbols as often as they are used."""
+
+MAX_CHARACTERS: Final = 6 * 2**20
+"""Upper bound of the characters of their attributes, counted likewise."""
 
 SHAPES: Final = frozenset({"path", "rect", "circle", "ellipse", "line", "polyline", "polygon"})
 GROUPS: Final = frozenset({"g", "a", "svg", "switch"})
@@ -105,7 +108,7 @@ class Document:
         elements = [one for one in _all(root) if is_svg(one)]
         self.by_id = {one.attributes["id"]: one for one in elements if "id" in one.attributes}
         self._sheet = StyleSheet(path, [one for one in elements if one.name == "style"])
-        self._count = 0
+        self._count = self._characters = 0
 
     def wrong(self, element: Element, what: object) -> MapFormatError:
         """Return an error at an element."""
@@ -148,6 +151,13 @@ class Document:
         self._count += 1
         if self._count > MAX_DRAWN:
             raise self.wrong(element, f"more than {MAX_DRAWN:,} elements are drawn; simplify it")
+        self._characters += sum(map(len, element.attributes.values()))
+        if self._characters > MAX_CHARACTERS:
+            raise self.wrong(
+                element,
+                f"what is drawn has more than {MAX_CHARACTERS:,} characters, with symbols as often "
+                "as they are used; simplify it",
+            )
         if around.depth > MAX_DEPTH:
             raise self.wrong(element, f"groups and uses are nested more than {MAX_DEPTH} deep")
         try:

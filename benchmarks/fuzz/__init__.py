@@ -1,0 +1,1 @@
+"""Damaged files for every reader of maps, and of recordings: ``python -m benchmarks.fuzz``."""

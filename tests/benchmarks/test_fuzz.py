@@ -1,0 +1,169 @@
+import ctypes
+import os
+import signal
+import time
+import warnings
+
+import numpy as np
+import pytest
+import shapely
+
+from benchmarks.fuzz import judging
+from benchmarks.fuzz.command import Report, campaign, main, shares, write
+from benchmarks.fuzz.judging import Outcome, Verdict, flaw_of_message, flaw_of_world, judge
+from benchmarks.fuzz.mutations import MAX_BYTES
+from benchmarks.fuzz.targets import TARGETS, Target
+from multisrt.environments.environment import Environment
+from multisrt.geometry.errors import MapFormatError
+
+HALL = Environment("hall", shapely.box(0, 0, 4, 3))
+
+
+def crash(path):
+    raise ZeroDivisionError("none of ours")
+
+
+def abort(path):
+    signal.signal(signal.SIGABRT, signal.SIG_DFL)
+    os.kill(os.getpid(), signal.SIGABRT)
+
+
+def hang(path):
+    signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+    while True:
+        ctypes.pythonapi.Py_IsInitialized()
+
+
+def swell(path):
+    return Environment("hall", shapely.box(0, 0, len(b"x" * 1_200_000_000), 3))
+
+
+def swallow(path):
+    try:
+        np.zeros(2**50)
+    except MemoryError as error:
+        raise MapFormatError(f"{path} is damaged") from error
+
+
+def warn(path):
+    warnings.warn("a surprise", RuntimeWarning, stacklevel=1)
+    return HALL
+
+
+def say(message):
+    def refuse(path):
+        raise MapFormatError(message.format(path=path))
+
+    return refuse
+
+
+def target_of(read):
+    return Target(name="wkt", read=read)
+
+
+@pytest.mark.parametrize(
+    ("read", "verdict"),
+    [
+        (lambda path: HALL, Verdict.READ),
+        (say("{path}, line 1 is wrong; mend it"), Verdict.REFUSED),
+        (say("line 1 is wrong"), Verdict.MESSAGE),
+        (say("{path}: <ast.Compare object at 0x7f04>"), Verdict.MESSAGE),
+        (say("{path} is " + "very " * 300 + "wrong"), Verdict.MESSAGE),
+        (crash, Verdict.CRASH),
+        (swallow, Verdict.MEMORY),
+        (warn, Verdict.WARNING),
+    ],
+)
+def test_what_becomes_of_an_input_is_judged(read, verdict, tmp_path):
+    target = target_of(read)
+    assert judge(target, target.input(0, 0), tmp_path).verdict is verdict
+
+
+def test_messages_are_one_line_that_names_a_file(tmp_path):
+    assert not flaw_of_message(f"{tmp_path}/a.wkt is wrong", tmp_path)
+    assert "one line" in flaw_of_message(f"{tmp_path}/a.wkt\nis wrong", tmp_path)
+    assert "one line" in flaw_of_message(f"{tmp_path}/a.wkt \x1b[2J", tmp_path)
+
+
+def test_worlds_are_judged():
+    assert not flaw_of_world(HALL)
+    assert "printable" in flaw_of_world(Environment("a\nb", shapely.box(0, 0, 4, 3)))
+
+
+def test_inputs_follow_from_their_number():
+    for target in TARGETS.values():
+        numbers = range(len(target.seeds), len(target.seeds) + 30)
+        first = [target.input(3, number) for number in numbers]
+        assert first == [target.input(3, number) for number in numbers]
+        assert first != [target.input(4, number) for number in numbers]
+        assert max(len(one.content) for one in first) <= MAX_BYTES + 8
+
+
+def test_the_first_inputs_are_the_seeds():
+    target = TARGETS["geojson"]
+    found = [target.input(9, number).content for number in range(len(target.seeds))]
+    assert found == [content for _, content in target.seeds]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("fault", "verdict"),
+    [(hang, Verdict.HANG), (abort, Verdict.CRASH), (swell, Verdict.MEMORY)],
+)
+def test_processes_that_end_are_replaced(fault, verdict, tmp_path, monkeypatch):
+    monkeypatch.setattr("benchmarks.fuzz.processes.MAX_SECONDS", 4.0)
+    calls = tmp_path / "calls"
+    target = target_of(lambda path: HALL)
+    numbers = range(len(target.seeds), len(target.seeds) + 9)
+    bad = target.input(0, numbers[4]).content
+
+    def read(path):
+        return fault(path) if path.read_bytes() == bad else HALL
+
+    report = campaign(target_of(read), 0, numbers, 2, calls)
+    assert report.counts == {Verdict.READ: 8, verdict: 1}
+    assert list(report.faults.values()) == [[numbers[4]]]
+    assert [path.read_bytes() for path in calls.iterdir()] == [bad]
+
+
+def test_faults_that_are_alike_are_told_once(tmp_path):
+    report = Report(TARGETS["wkt"])
+    for number in range(5):
+        report.add(number, Outcome(Verdict.CRASH, detail=f"ValueError: {number} (wkt.py:7)"))
+    assert not report.add(5, Outcome(Verdict.READ, 0.5))
+    assert report.slowest == (0.5, 5)
+    assert len(list(report.failures())) == 1
+    assert "5 x crash: ValueError: 0 (wkt.py:7) (number 0, 1, 2)" in next(report.failures())
+    assert write(report.target, 0, 7, tmp_path).name == "wkt-0-7.wkt"
+
+
+def test_shares_add_up():
+    assert shares(1000, 14) == sorted(shares(1000, 14))
+    assert sum(shares(1000, 14)) == 1000
+
+
+def test_the_command_prints_a_table_and_reads_again(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(SystemExit) as ended:
+        main(["--inputs", "20", "--format", "wkt"])
+    assert ended.value.code == 0
+    title, row = capsys.readouterr().out.splitlines()
+    assert title.split()[:4] == ["format", "inputs", "read", "refused"]
+    assert row.split()[:2] == ["wkt", "20"]
+    with pytest.raises(SystemExit):
+        main(["--format", "wkt", "--number", "1"])
+    assert "read in" in capsys.readouterr().out
+    assert (tmp_path / "out/fuzz/wkt-0-1.wkt").is_file()
+
+
+def test_the_limit_of_time_counts_the_processor(tmp_path, monkeypatch):
+    monkeypatch.setattr(judging, "MAX_SECONDS", 0.01)
+
+    def slow(path):
+        begin = time.process_time()
+        while time.process_time() - begin < 0.02:
+            pass
+        return HALL
+
+    target = target_of(slow)
+    assert judge(target, target.input(0, 0), tmp_path).verdict is Verdict.HANG

@@ -1,9 +1,9 @@
 """Every map of a folder, explored by two robots: ``python -m benchmarks.maps FOLDER --out DIR``.
 
-Reads all files of the folder, chooses a body that gets about in each map, explores it by
-`srt-radial` and `minpos`, and writes `maps.md`, a table with a row for each file, and `maps.svg`,
-a sheet with a small picture of each run of `srt-radial`. Runs that are in `DIR/maps.sqlite`
-already are not made again.
+Reads all files of the folder, chooses a body that fits each map, explores the map by `srt-radial`
+and `minpos`, and writes `maps.md`, a table with a row for each file, and `maps.svg`, a sheet with a
+small picture of each run of `srt-radial`. Runs that are already in `DIR/maps.sqlite` are not
+repeated.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatch
 from pathlib import Path
-from typing import Final
+from typing import Final, Literal
 
 import multisrt as ms
 from multisrt.analysis.map_check import MapCheck, check_map
@@ -47,22 +47,22 @@ SCALES_M: Final = (
     ("*/maes/*", 0.5),
     ("*", 0.05),
 )
-"""Metres per pixel or cell of files without a scale of their own, by the first pattern."""
+"""Metres per pixel or cell of files without a scale of their own; the first pattern counts."""
 
 TEAMS: Final = {"maze": "maze1.png", "rooms": "rooms.png"}
-"""The image to which a team file belongs, by a word in its name."""
+"""Image to which a team file belongs, by a word in the name of the team file."""
 
 BODY_M: Final = 0.25
-"""Radius of the body where it gets to enough, in metres."""
+"""Radius of the default body, in metres."""
 
 MIN_REACHED: Final = 0.5
-"""Share of the part that is explored to which the body has to get."""
+"""Share of the main part that the default body must reach."""
 
 BODY_SHARE: Final = 0.8
-"""Radius elsewhere, as a share of that of the largest disc that gets to 95 % of it."""
+"""Radius in other maps, as a share of that of the largest disc that reaches 95 % of it."""
 
 PICTURE, GAP, LABEL, COLUMNS = 180, 16, 14, 7
-"""Side of a picture on the sheet, space between, height of a label, and pictures in a row."""
+"""Side of a picture on the sheet, gap, height of a label, and number of pictures in a row."""
 
 COLUMN_NAMES: Final = (
     "file",
@@ -88,20 +88,20 @@ class Subject:
 
     @property
     def body(self) -> str:
-        """The default body, or a smaller disc where that one gets to little."""
+        """The default body, or a smaller disc if that reaches too little."""
         radius = BODY_M
         if self.check.reached_share < MIN_REACHED:
             radius = BODY_SHARE * self.check.largest.radius_m
         return f"disc:{radius:.2g}"
 
     @property
-    def starts(self) -> str:
-        """The suggested starts if there are enough of them."""
+    def starts(self) -> Literal["clustered", "suggested"]:
+        """``suggested`` if there are enough suggested starts, else ``clustered``."""
         return "suggested" if len(self.world.starts) >= 2 else "clustered"
 
     @property
     def block(self) -> Block:
-        """Its part of the experiment."""
+        """Its block of the experiment."""
         return Block(environments=(self.choice,), bodies=(self.body,), starts=(self.starts,))
 
 
@@ -130,7 +130,7 @@ def main() -> None:
 
 
 def read_all(folder: Path) -> tuple[list[Subject], dict[str, str]]:
-    """Return the maps of a folder, and why other files are none, by name."""
+    """Return the maps of a folder, and the errors of files that are not maps, by name."""
     subjects, refused = [], {}
     files = sorted(path for path in folder.rglob("*") if path.is_file() and path.suffix != ".md")
     with LiveLine(True, "maps", "files read", counted=True) as line:
@@ -145,7 +145,7 @@ def read_all(folder: Path) -> tuple[list[Subject], dict[str, str]]:
 
 
 def read(path: Path, label: str) -> Subject:
-    """Return the map of a file; of a team file, the map that it belongs to."""
+    """Return the map of a file; for a team file, the map to which it belongs."""
     image, team = path, None
     for word, name in TEAMS.items():
         if path.suffix == ".txt" and re.fullmatch(rf"team_.*{word}", path.stem):
@@ -195,13 +195,12 @@ def page(
         "not part of this project.",
         "",
         f"{len(subjects)} files are maps; {complete} of {len(results)} runs ended complete; "
-        f"{hours:.1f} core-hours. Files without a scale were given one: that of the project they "
-        f"are from if it states one, else 0.05 m a pixel and 0.5 m a cell. The body is a disc with "
-        f"a radius of {BODY_M:g} m if that gets to half of the part that is explored, else "
-        f"{BODY_SHARE:g} times the largest that gets to 95 % of it. The robots start where the "
-        "file says, or close together. "
-        "Coverage is the share of what the bodies could come to see from there; time is that "
-        "until both are home again.",
+        f"{hours:.1f} core-hours. Files without a scale were given one: that stated by their "
+        f"project, else 0.05 m a pixel and 0.5 m a cell. The body is a disc with "
+        f"a radius of {BODY_M:g} m if that reaches half of the part that is explored, else "
+        f"{BODY_SHARE:g} times the largest that reaches 95 % of it. The robots start where the "
+        "file suggests, or close together. Coverage is the share of the area that the bodies could "
+        "see from there; time is that until both have returned.",
         "",
         markdown_table(COLUMN_NAMES, [row(subject, made[subject.label]) for subject in subjects]),
         "",
@@ -267,9 +266,11 @@ def contact_sheet(recordings: Mapping[str, Recording]) -> str:
 
 def _arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description="explore every map of a folder")
-    parser.add_argument("folder", type=Path, help="a folder with map files, at any depth")
-    parser.add_argument("--out", type=Path, required=True, help="where results are written")
-    parser.add_argument("--workers", type=int, help="processes; by default one for each core")
+    parser.add_argument("folder", type=Path, help="folder with map files, at any depth")
+    parser.add_argument("--out", type=Path, required=True, help="folder for the results")
+    parser.add_argument(
+        "--workers", type=int, help="number of processes; by default one for each core"
+    )
     return parser.parse_args()
 
 

@@ -23,12 +23,12 @@ MAPS = Path(__file__).parent / "maps"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CatalogEntry:
-    """A line of the list of worlds.
+    """A world of the catalog.
 
     Attributes
     ----------
     name : str
-        Name, as `environment` takes it.
+        Name by which `environment` returns it.
     kind : {"generator", "map"}
         Whether the world is generated from parameters and a seed, or read from a bundled file.
     summary : str
@@ -80,7 +80,7 @@ _MAPS: dict[str, tuple[str, str]] = {
 """File and summary of every bundled map, by name."""
 
 _GENERATED_LIKE = {"cave": ", or take the generator 'cavern'"}
-"""What to say of a generator that a bundled map may be mistaken for."""
+"""Hint at the generator for which a bundled map may be mistaken, by the name of the map."""
 
 
 def names() -> tuple[str, ...]:
@@ -109,9 +109,9 @@ def environment(name: str, *, seed: int | None = None, **parameters: float) -> "
     seed : int, optional
         Seed of a generator, 0 by default. Bundled maps take none.
     **parameters : float
-        Parameters of the generator; the entries of `catalog` list them. All generators but "open"
-        take a `difficulty` from 0 to 1, too. Where it is not in the list it stands for some of
-        those parameters; others may be given beside it, and win over it.
+        Parameters of the generator; the entries of `catalog` list them. All generators except
+        "open" also take a `difficulty` from 0 to 1. For generators that do not list it, it sets
+        some of the listed parameters; those that are given explicitly take precedence.
 
     Returns
     -------
@@ -121,7 +121,7 @@ def environment(name: str, *, seed: int | None = None, **parameters: float) -> "
     Raises
     ------
     InvalidInputError
-        If there is no world of the name, a parameter is unknown, or its value is out of range.
+        If there is no world of that name, a parameter is unknown, or its value is out of range.
 
     Examples
     --------

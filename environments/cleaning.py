@@ -21,47 +21,48 @@ from multisrt.geometry.errors import InvalidInputError
 GeometryArray = NDArray[np.object_]
 
 COLLINEAR_M: Final = 1e-6
-"""Vertices at most this far from the line between their neighbours are not needed, in metres."""
+"""Vertices at most this far from the line between their neighbours are superfluous, in metres."""
 
 MIN_TOLERANCE_SHARE: Final = 1e-3
-"""Share of the tolerance below which it is not reduced any more."""
+"""Share of the tolerance below which it is not reduced further."""
 
 ARC_SEGMENTS: Final = 16
-"""Segments of a quarter of a circle, where an area that is grown or shrunk has arcs."""
+"""Segments of a quarter of a circle in the arcs of dilated and eroded areas."""
 
 ROUNDING_M: Final = 1e-6
-"""Gaps are closed that are narrower than stated by more than this, in metres."""
+"""Gaps are closed if they are narrower than the stated width by more than this, in metres."""
 
 FIXING: Final = "'multisrt environments check FILE --fix OUT' writes a repaired copy"
-"""The remedy that errors about rings name."""
+"""Remedy that errors about rings suggest."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Cleaning:
-    """What was changed of a map when it was read or repaired.
+    """Changes made to a map when it was read or repaired.
 
     Attributes
     ----------
     closed_rings : int
-        Number of rings that were open and whose first position was repeated at the end.
+        Number of open rings that were closed by repeating their first position.
     repaired_polygons : int
         Number of polygons whose rings crossed or touched themselves or one another.
     repaired_m2 : float
-        Area in which the repaired polygons differ from their rings filled by the even-odd rule.
+        Area in square metres in which the repaired polygons differ from their rings filled by the
+        even-odd rule.
     united_polygons : int
         Number of polygons of free space that overlapped others.
     united_m2 : float
-        Area in which they overlapped, counted once less than it was covered.
+        Area of their overlaps in square metres; where n polygons overlap it counts n - 1 times.
     dropped_parts, dropped_obstacles : int
         Numbers of parts of free space and of obstacles that were dropped as too small.
     dropped_m2 : float
-        Their area.
+        Their area in square metres.
     closed_gaps : int
         Number of gaps between obstacles that were closed.
     closed_m2 : float
-        Their area.
+        Their area in square metres.
     removed_vertices : int
-        Number of vertices that were repeated or not needed.
+        Number of vertices that were removed as repeated or superfluous.
     removed_starts : int
         Number of suggested starts that were no longer in free space.
     displacement_m : float
@@ -99,7 +100,7 @@ class Cleaning:
         return self != Cleaning()
 
     def __add__(self, other: Cleaning) -> Cleaning:
-        """Return the cleaning of both, one after the other: distances add up as numbers do."""
+        """Return the changes of both, one after the other; distances are added, too."""
         summed = {
             field.name: getattr(self, field.name) + getattr(other, field.name)
             for field in fields(self)
@@ -149,7 +150,7 @@ class Cleaning:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CleaningOptions:
-    """What is repaired of free space beyond its rings.
+    """What is removed from free space, apart from the repair of its rings.
 
     Attributes
     ----------
@@ -157,9 +158,10 @@ class CleaningOptions:
         Parts of free space and obstacles are dropped if the longer side of their bounding box is
         at most this, in metres.
     gap_m : float
-        Passages between obstacles that are narrower are closed, in metres.
+        Passages between obstacles that are narrower than this are closed, in metres.
     tolerance_m : float
-        Vertices are removed that are at most this far from the boundary without them, in metres.
+        Vertices are removed if they are at most this far from the boundary without them, in
+        metres.
 
     Raises
     ------
@@ -176,7 +178,7 @@ class CleaningOptions:
             value = getattr(self, field.name)
             if not (math.isfinite(value) and value >= 0.0):
                 raise InvalidInputError(
-                    f"{field.name} is {value:g}; it is a length in metres, at least 0"
+                    f"{field.name} is {value:g}; it must be a length in metres, at least 0"
                 )
 
 
@@ -190,6 +192,13 @@ def closed_ring(
     positions : sequence of (x, y)
         The positions in metres, at least one.
 
+    Returns
+    -------
+    positions : list of (x, y)
+        The closed ring.
+    cleaning : Cleaning
+        What was changed.
+
     Examples
     --------
     >>> closed_ring([(0, 0), (4, 0), (4, 3)])[0]
@@ -201,7 +210,7 @@ def closed_ring(
 
 
 def repaired(polygon: Polygon) -> tuple[BaseGeometry, Cleaning]:
-    """Return a polygon whose rings do not cross: loops are united, and holes cut out.
+    """Return a valid polygon, with the loops of its rings united and holes cut out.
 
     Parameters
     ----------
@@ -244,6 +253,13 @@ def united(polygons: Sequence[BaseGeometry]) -> tuple[BaseGeometry, Cleaning]:
     polygons : sequence of Polygon or MultiPolygon
         Valid polygons. Those that only touch do not overlap.
 
+    Returns
+    -------
+    union : Polygon or MultiPolygon
+        Their union.
+    cleaning : Cleaning
+        How many overlapped, and the area of the overlaps.
+
     Examples
     --------
     >>> rooms = [shapely.box(0, 0, 3, 2), shapely.box(2, 0, 5, 2), shapely.box(5, 0, 6, 2)]
@@ -281,7 +297,7 @@ def polygons_of(geometry: BaseGeometry) -> GeometryArray:
 
 
 def without_slivers(parts: GeometryArray, width_m: float) -> tuple[MultiPolygon, Cleaning]:
-    """Return polygons without those, and without holes, that are nowhere as wide as stated.
+    """Return polygons without those polygons and holes that are nowhere as wide as stated.
 
     Parameters
     ----------
@@ -289,6 +305,13 @@ def without_slivers(parts: GeometryArray, width_m: float) -> tuple[MultiPolygon,
         Valid polygons that do not overlap.
     width_m : float
         The width in metres.
+
+    Returns
+    -------
+    polygons : MultiPolygon
+        The remaining polygons; it may be empty.
+    cleaning : Cleaning
+        What was dropped.
 
     Examples
     --------
@@ -319,8 +342,8 @@ def without_slivers(parts: GeometryArray, width_m: float) -> tuple[MultiPolygon,
 
 
 def _are_slivers(parts: GeometryArray, width_m: float) -> NDArray[np.bool_]:
-    # An erosion removes at most a strip along the boundary and a sector at each hole. A part
-    # with more area than that is not a sliver, so that large parts need no erosion.
+    # An erosion removes at most a strip along the boundary and a sector at each hole. A part with
+    # more area than that is no sliver, and need not be eroded.
     radius = width_m / 2
     holes = shapely.get_num_interior_rings(parts)
     thin: NDArray[np.bool_] = (
@@ -331,7 +354,7 @@ def _are_slivers(parts: GeometryArray, width_m: float) -> NDArray[np.bool_]:
 
 
 def cleaned(free: BaseGeometry, options: CleaningOptions) -> tuple[MultiPolygon, Cleaning]:
-    """Return free space without narrow gaps, specks and vertices that are not needed.
+    """Return free space without narrow gaps, specks and superfluous vertices.
 
     Parameters
     ----------
@@ -364,14 +387,14 @@ def cleaned(free: BaseGeometry, options: CleaningOptions) -> tuple[MultiPolygon,
 
 
 def _without_gaps(free: MultiPolygon, gap_m: float) -> tuple[MultiPolygon, Cleaning]:
-    """Close the places that no disc covers and that lie between places that discs do."""
+    """Close the places that no disc of the width covers and that separate places that it does."""
     radius = gap_m / 2.0 - ROUNDING_M
     if radius <= 0.0:
         return free, Cleaning()
     roomy = shapely.buffer(
         shapely.buffer(free, -radius, quad_segs=ARC_SEGMENTS), radius, quad_segs=ARC_SEGMENTS
     )
-    # A corner or a nook borders on the roomy places once, a gap twice or more.
+    # A corner or a nook has one border with roomy space, a gap two or more.
     narrow = polygons_of(free.difference(shapely.buffer(roomy, ROUNDING_M)))
     narrow = narrow[shapely.area(narrow) > ROUNDING_M * gap_m]
     walls = shapely.buffer(free.boundary, 2.0 * ROUNDING_M, quad_segs=1)
@@ -379,7 +402,7 @@ def _without_gaps(free: MultiPolygon, gap_m: float) -> tuple[MultiPolygon, Clean
     is_gap = np.array([_number_of_lines(mouth) > 1 for mouth in mouths], np.bool_)
     if not is_gap.any():
         return free, Cleaning()
-    # Grown a little, so that no crack of free space stays beside them.
+    # Dilated a little, so that no crack of free space remains beside them.
     closed = shapely.union_all(narrow[is_gap]).buffer(4.0 * ROUNDING_M, join_style="mitre")
     space = areas(free.difference(closed))
     return space, Cleaning(
@@ -392,7 +415,7 @@ def _number_of_lines(geometry: BaseGeometry) -> int:
 
 
 def _without_specks(free: MultiPolygon, speck_m: float) -> tuple[MultiPolygon, Cleaning]:
-    """Drop parts and holes whose bounding box is small."""
+    """Drop parts and holes with a small bounding box."""
     parts = polygons_of(free)
     large = _extents(parts) > speck_m
     kept, obstacles, area = [], 0, float(shapely.area(parts[~large]).sum())
@@ -423,7 +446,7 @@ def _without_vertices(free: MultiPolygon, tolerance_m: float) -> tuple[MultiPoly
         boundary = simple.boundary
         shapely.prepare(boundary)
         distance = float(shapely.distance(shapely.points(before), boundary).max())
-        # Where a ring starts, distances of vertices removed one after the other add up.
+        # At the start of a ring, both simplifications remove vertices: their distances add up.
         if distance <= bound + COLLINEAR_M or share < MIN_TOLERANCE_SHARE:
             break
         share /= 2.0
@@ -439,7 +462,7 @@ def _without_vertices(free: MultiPolygon, tolerance_m: float) -> tuple[MultiPoly
 
 def _simplified(free: MultiPolygon, tolerance_m: float) -> MultiPolygon:
     simple = shapely.simplify(free, tolerance_m, preserve_topology=True)
-    # The first vertex of a ring always stays: start each ring at another one.
+    # The first vertex of a ring is never removed: start each ring at another one.
     turned = areas(_with_rings_turned(simple))
     simple = areas(shapely.simplify(turned, COLLINEAR_M, preserve_topology=True))
     if not simple.is_valid:  # rings that a removed vertex left touching

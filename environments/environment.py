@@ -23,7 +23,7 @@ SLIVER_WIDTH_M = 1e-3
 """Width in metres below which parts of free space and obstacles are dropped."""
 
 MAX_COORDINATE_M = 1e7
-"""Upper bound of the absolute value of coordinates, in metres, with digits for millimetres."""
+"""Upper bound of the absolute value of coordinates, in metres."""
 
 
 class Environment:
@@ -43,8 +43,8 @@ class Environment:
     origin : str, optional
         Source of the world: the call of a generator or the name of a file.
     cleaning : Cleaning, optional
-        What was changed of the map before. Parts of free space and obstacles that are nowhere as
-        wide as 1 mm are dropped here, which is added.
+        Changes that were made to the map before. Parts of free space and obstacles that are
+        nowhere 1 mm wide are dropped here, and added to these changes.
 
     Raises
     ------
@@ -159,7 +159,7 @@ class Environment:
 
     @property
     def cleaning(self) -> Cleaning:
-        """What readers and repairs changed of the map; it has no influence on the digest."""
+        """Changes that readers and repairs made to the map; not part of the digest."""
         return self._cleaning
 
     @property
@@ -189,17 +189,17 @@ class Environment:
 
     @cached_property
     def components(self) -> tuple[Polygon, ...]:
-        """The connected components of free space: the same objects at every call."""
+        """The connected components of free space; the same objects at every access."""
         return tuple(self._free.geoms)
 
     def plot(self, ax: "Axes | None" = None) -> "Axes":
-        """Draw the world on axes of matplotlib, in the colours of its SVG picture.
+        """Draw the world on matplotlib axes, in the colours of its SVG picture.
 
         Parameters
         ----------
         ax : matplotlib.axes.Axes, optional
-            Where to draw; their aspect becomes equal. By default a new figure of pyplot, with
-            title and legend.
+            Axes to draw on; their aspect becomes equal. By default those of a new pyplot figure
+            with title and legend.
 
         Returns
         -------

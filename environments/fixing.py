@@ -1,4 +1,4 @@
-"""Worlds without narrow gaps, specks and vertices that are not needed."""
+"""Cleaned copies of worlds, without narrow gaps, specks and superfluous vertices."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ def fixed(environment: Environment, options: CleaningOptions) -> Environment:
     environment : Environment
         The world.
     options : CleaningOptions
-        What is removed; repeated and collinear vertices always are.
+        What is removed. Repeated and collinear vertices always are.
 
     Returns
     -------
     Environment
-        The copy. Suggested starts that are no longer in free space are left out. Its
-        `Environment.cleaning` says what was changed, also before.
+        The copy, without suggested starts that are no longer in free space. Its
+        `Environment.cleaning` has the changes that were made here added to those of the world.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The separate areas of a world: components of free space between which no path leads."""
+"""The separate parts of a world: its connected components of free space."""
 
 from __future__ import annotations
 
@@ -10,20 +10,23 @@ from shapely import Polygon
 from multisrt.environments.environment import Environment
 
 MIN_INSIDE = 0.5
-"""Area inside, as a share of the area around it; less is in closed rooms and hollow walls."""
+"""Minimum area inside, as a share of the area around it.
+
+Closed rooms and hollow walls have less inside.
+"""
 
 
 class Enclosing(NamedTuple):
-    """An area that touches the border of the map and has much of free space inside it.
+    """A part that touches the border of the map and encloses much of free space.
 
-    On a drawn floor plan that is the white paper around the building.
+    On a drawn floor plan it is the white paper around the building.
 
     Attributes
     ----------
     area : Polygon
-        The area itself.
+        The part itself, in metres.
     inside : tuple of Polygon
-        The areas that it encloses, the largest first.
+        The parts that it encloses, the largest first.
     """
 
     area: Polygon
@@ -54,9 +57,9 @@ def pieces(environment: Environment) -> tuple[Polygon, ...]:
 
 
 def enclosing(environment: Environment) -> Enclosing | None:
-    """Return the area around a building, or None if there is none.
+    """Return the part around a building, or None if there is none.
 
-    It touches the border of the map, and the areas that it encloses have at least `MIN_INSIDE` of
+    It touches the border of the map, and the parts that it encloses have at least `MIN_INSIDE` of
     its own area.
 
     Parameters
@@ -67,7 +70,7 @@ def enclosing(environment: Environment) -> Enclosing | None:
     Returns
     -------
     Enclosing or None
-        Of several such areas the one that has the largest area inside.
+        Of several such parts, the one with the largest area inside.
 
     Examples
     --------
@@ -93,7 +96,7 @@ def enclosing(environment: Environment) -> Enclosing | None:
 
 
 def is_minor(environment: Environment, x: float, y: float) -> bool:
-    """Return whether a place is in another area than the largest that is not around a building.
+    """Return whether a place is outside the largest part that is not around a building.
 
     Parameters
     ----------
@@ -105,7 +108,7 @@ def is_minor(environment: Environment, x: float, y: float) -> bool:
     Returns
     -------
     bool
-        True also in the area around a building, whatever its size.
+        True in the part around a building, whatever its size.
 
     Raises
     ------

@@ -1,8 +1,8 @@
-"""The command: a campaign over some readers or all, its table, and what it found.
+"""The command: a campaign over some or all readers, its table and its failures.
 
-An input depends on the format, the seed and its number alone, so that it can be made and read
+An input depends only on the format, the seed and its number, so that it can be made and read
 again: ``python -m benchmarks.fuzz --format svg --number 1234``. Inputs that a reader fails on are
-written to a folder; once the reader is mended, the smallest of them that shows the defect goes to
+written to a folder; once the reader is fixed, the smallest input that shows the defect goes to
 ``tests/environments/fuzz/kept``.
 """
 
@@ -23,26 +23,35 @@ from benchmarks.fuzz.processes import run
 from benchmarks.fuzz.targets import TARGETS, Target
 
 MAX_KEPT: Final = 3
-"""How many inputs are written that fail alike."""
+"""Upper bound of the inputs that are written of each group of equal failures."""
 
 PROGRESS_S: Final = 60.0
-"""Time between two lines of progress (s)."""
+"""Time between two lines of progress, in seconds."""
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run a campaign, or read one input again; exit with 1 if a reader failed."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.fuzz", description=__doc__)
-    parser.add_argument("--inputs", type=int, default=10_000, help="of all formats together")
-    parser.add_argument("--seed", type=int, default=0, help="of the campaign")
-    parser.add_argument("--workers", type=int, default=1, help="processes at a time")
-    parser.add_argument("--format", action="append", choices=list(TARGETS), help="by default all")
-    parser.add_argument("--number", type=int, help="read this input of one format again")
-    parser.add_argument("--out", type=Path, default=Path("out/fuzz"), help="folder of failures")
+    parser.add_argument(
+        "--inputs", type=int, default=10_000, help="number of inputs, over all formats"
+    )
+    parser.add_argument("--seed", type=int, default=0, help="seed of the campaign")
+    parser.add_argument("--workers", type=int, default=1, help="number of processes at a time")
+    parser.add_argument(
+        "--format",
+        action="append",
+        choices=list(TARGETS),
+        help="a format, repeatable; by default all",
+    )
+    parser.add_argument("--number", type=int, help="only make and read this input of one --format")
+    parser.add_argument(
+        "--out", type=Path, default=Path("out/fuzz"), help="folder for failing inputs"
+    )
     named = parser.parse_args(arguments)
     targets = [TARGETS[name] for name in named.format or TARGETS]
     if named.number is not None:
         if len(targets) != 1:
-            parser.error("--number is that of an input of one --format")
+            parser.error("--number requires exactly one --format")
         sys.exit(again(targets[0], named.seed, named.number, named.out))
     print(TITLE)
     failed = False
@@ -56,7 +65,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 
 def shares(inputs: int, parts: int) -> list[int]:
-    """Return how many inputs each part has."""
+    """Return the number of inputs of each part, as equal as possible."""
     return [(inputs + part) // parts for part in range(parts)]
 
 
@@ -68,22 +77,22 @@ TITLE: Final = (
 
 @dataclass(slots=True)
 class Report:
-    """What became of the inputs of a reader.
+    """Results of the inputs of a reader.
 
     Attributes
     ----------
     target : Target
         The reader.
     counts : Counter of Verdict
-        How many inputs had which verdict.
+        Number of inputs for each verdict.
     faults : dict of str to list of int
-        Numbers of the inputs that failed, by what happened.
+        Numbers of the inputs that failed, by the kind of failure.
     seconds : float
-        How long it took.
+        Elapsed time in seconds.
     slowest : (float, int)
-        Processor time and number of the input that took longest.
+        Processor time in seconds and number of the input that took longest.
     memory : int
-        Largest amount that an input added to the memory of its process, in bytes.
+        Largest memory that an input added to its process, in bytes.
     """
 
     target: Target
@@ -94,20 +103,20 @@ class Report:
     memory: int = 0
 
     def add(self, number: int, outcome: Outcome) -> bool:
-        """Count an input; return whether it is one of the first that fail so."""
+        """Count an input; return whether it is one of the first with such a failure."""
         self.counts[outcome.verdict] += 1
         self.slowest = max(self.slowest, (outcome.seconds, number))
         self.memory = max(self.memory, outcome.memory)
         if outcome.verdict.is_right:
             return False
         kind = f"{outcome.verdict.value}: {outcome.detail}"
-        # Alike is what fails in the same place; messages differ in what they cite.
+        # Failures in the same place are grouped: their messages may cite different values.
         known = next((one for one in self.faults if _alike(one, kind)), kind)
         self.faults.setdefault(known, []).append(number)
         return len(self.faults[known]) <= MAX_KEPT
 
     def row(self) -> str:
-        """Return the line of the table."""
+        """Return a line of the table."""
         total = self.counts.total()
         failed = sum(map(len, self.faults.values()))
         slow, number = self.slowest
@@ -119,14 +128,14 @@ class Report:
         )
 
     def failures(self) -> Iterator[str]:
-        """Yield a line for what failed alike."""
+        """Yield a line for each group of failures, the largest first."""
         for kind, numbers in sorted(self.faults.items(), key=lambda one: -len(one[1])):
             some = ", ".join(map(str, numbers[:MAX_KEPT]))
             yield f"    {len(numbers):,} x {kind[:600]} (number {some})"
 
 
 def _alike(one: str, other: str) -> bool:
-    # The place stands last; without one, the first words are compared.
+    # The place comes last; without one, the first words are compared.
     places = [
         text.rpartition(" (")[2] if text.endswith(")") else text[:40] for text in (one, other)
     ]
@@ -134,7 +143,7 @@ def _alike(one: str, other: str) -> bool:
 
 
 def campaign(target: Target, seed: int, numbers: range, workers: int, out: Path) -> Report:
-    """Return what becomes of inputs; those that fail are written to a folder.
+    """Read inputs, write those that fail to a folder, and return the results.
 
     Parameters
     ----------
@@ -145,9 +154,9 @@ def campaign(target: Target, seed: int, numbers: range, workers: int, out: Path)
     numbers : range
         Numbers of the inputs.
     workers : int
-        How many processes run at a time.
+        Number of processes at a time.
     out : Path
-        The folder; it is made when something fails.
+        The folder; it is created at the first failure.
     """
     report = Report(target)
     begin = told = time.monotonic()

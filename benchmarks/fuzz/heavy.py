@@ -1,7 +1,7 @@
-"""Files that are made to take long: small ones whose overlays, clip paths or macros multiply.
+"""Small files that take long to read, because their overlays, clip paths or macros multiply.
 
-Mutations hardly ever make them. Each once took a reader more than `judging.MAX_SECONDS`, or would
-without one of its bounds.
+Mutations hardly ever produce such files. Each once took a reader more than `judging.MAX_SECONDS`,
+or would without one of its bounds.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ ONE_METRE: Final[Options] = {"resolution_m": 1.0}
 
 
 def star(corners: int) -> list[Point]:
-    """Return a ring whose edges nearly all cross each other; the number of corners is odd."""
+    """Return a ring nearly all of whose edges cross each other, with an odd number of corners."""
     turns = [2 * math.pi * (corners // 2) * k / corners for k in range(corners)]
     return [(round(50 + 50 * math.cos(t), 3), round(50 + 50 * math.sin(t), 3)) for t in turns]
 
@@ -31,7 +31,7 @@ def disc(corners: int) -> list[Point]:
 
 
 def lattice(bars: int) -> list[list[Point]]:
-    """Return bars in two directions, all of one across all of the other."""
+    """Return bars in two directions, which all cross each other."""
     rings: list[list[Point]] = []
     for k in range(bars):
         low, high = round(100 * k / bars, 3), round(100 * k / bars + 30 / bars, 3)
@@ -41,7 +41,7 @@ def lattice(bars: int) -> list[list[Point]]:
 
 
 def nested(squares: int) -> list[list[Point]]:
-    """Return triangles that all overlap, with a common corner."""
+    """Return triangles with a common corner, which all overlap."""
     return [[(0, 0), (99, k / 100), (0, 99 - k / 100)] for k in range(squares)]
 
 
@@ -70,7 +70,7 @@ def points(ring: Iterable[Point]) -> str:
 
 
 def stage_lattice(bars: int) -> str:
-    """Return a world of Stage with models across each other."""
+    """Return a Stage world with models that cross each other."""
     models = (
         f"model ( size [100 .05 1] pose [50 {100 * k / bars:.3f} 0 0] )\n"
         f"model ( size [.05 100 1] pose [{100 * k / bars:.3f} 50 0 0] )\n"
@@ -86,7 +86,7 @@ def dxf(*pairs: str) -> str:
 
 
 def dxf_lattice(lines: int, layer: str) -> str:
-    """Return a drawing of lines across each other."""
+    """Return a drawing of lines that cross each other."""
     return dxf(
         *(f"0|LINE|8|{layer}|10|0|20|{k}|11|600|21|{k}.5" for k in range(lines)),
         *(f"0|LINE|8|{layer}|10|{k}|20|0|11|{k}.5|21|600" for k in range(lines)),
@@ -99,7 +99,7 @@ def clipped(mask: str, content: str) -> str:
 
 
 def svg_clips(shapes: int, depth: int) -> str:
-    """Return shapes in groups with a clip path of 200 corners each."""
+    """Return shapes in nested groups, each with a clip path of 200 corners."""
     polygon = f'<polygon points="{points(disc(200))}"/>'
     masks = "".join(f'<clipPath id="c{k}">{polygon}</clipPath>' for k in range(depth))
     groups = "".join(f'<g clip-path="url(#c{k})">' for k in range(depth))
@@ -107,7 +107,7 @@ def svg_clips(shapes: int, depth: int) -> str:
 
 
 def yaml(more: str, resolution: str = "0.05") -> str:
-    """Return a description of a map with more in it."""
+    """Return the YAML file of a map with additional content."""
     return (
         f"image: rooms.pgm\nresolution: {resolution}\norigin: [0, 0, 0]\nnegate: 0\n"
         f"occupied_thresh: 0.65\nfree_thresh: 0.196\n{more}"
@@ -115,13 +115,13 @@ def yaml(more: str, resolution: str = "0.05") -> str:
 
 
 def merges(levels: int) -> str:
-    """Return a description whose aliases would multiply by ten with each level."""
+    """Return the YAML file of a map whose aliases multiply by ten with each level."""
     lines = [f"a{k}: &a{k} {{<<: [{', '.join([f'*a{k - 1}'] * 10)}]}}\n" for k in range(1, levels)]
     return yaml("a0: &a0 {k: 1}\n" + "".join(lines))
 
 
 def macros(levels: int) -> str:
-    """Return a world of Stage whose macros would multiply by eight with each level."""
+    """Return a Stage world whose macros multiply by eight with each level."""
     lines = [
         f"define m{k} model ( size [1 1 1] {f'm{k - 1} ( pose [1 0 0 1] ) ' * 8})\n"
         for k in range(1, levels)
@@ -225,7 +225,7 @@ HEAVY: Final[dict[str, tuple[str, str, Options, Callable[[], str]]]] = {
         ),
     ),
 }
-"""Format, suffix and options of each, and what makes its text."""
+"""Format, suffix, options and the function that returns the text of each file, by name."""
 
 
 def heavy_input(name: str) -> tuple[str, Input]:

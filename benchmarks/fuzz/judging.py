@@ -1,4 +1,4 @@
-"""What became of one input: read, refused with an error of ours, or a defect of the reader."""
+"""Result of one input: read, refused with an error of the package, or a defect of the reader."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from multisrt.environments.environment import MAX_COORDINATE_M, Environment
 from multisrt.geometry.errors import InvalidInputError
 
 MAX_SECONDS: Final = 5.0
-"""Processor time after which an input is a hang."""
+"""Processor time in seconds after which reading counts as a hang."""
 
 MAX_MEMORY: Final = 2**30
 """Upper bound of what an input may add to the memory of the process, in bytes (1 GiB)."""
@@ -28,7 +28,7 @@ MAX_MESSAGE: Final = 1000
 
 
 class Verdict(Enum):
-    """What became of an input."""
+    """Verdict on the reading of an input."""
 
     READ = "read"
     REFUSED = "refused"
@@ -41,22 +41,22 @@ class Verdict(Enum):
 
     @property
     def is_right(self) -> bool:
-        """Whether a reader may do so."""
+        """Whether this is correct behaviour of a reader."""
         return self in (Verdict.READ, Verdict.REFUSED)
 
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """What became of an input.
+    """Result of reading an input.
 
     Attributes
     ----------
     verdict : Verdict
-        What became of it.
+        The verdict.
     seconds : float
-        Processor time.
+        Processor time in seconds.
     memory : int
-        What it added to the memory of the process at most, in bytes; 0 where that is not known.
+        Peak of the memory that it added to the process, in bytes; 0 if not known.
     detail : str
         The error and its place.
     """
@@ -68,7 +68,7 @@ class Outcome:
 
 
 def judge(target: Target, one: Input, folder: Path) -> Outcome:
-    """Return what becomes of an input.
+    """Read an input and return the result.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ def judge(target: Target, one: Input, folder: Path) -> Outcome:
     one : Input
         The input.
     folder : Path
-        Where its file is written, with its companions in it.
+        Folder in which its file is written, with its companions.
     """
     path = folder / f"input{one.suffix}"
     path.write_bytes(one.content)
@@ -124,7 +124,7 @@ def flaw_of_message(message: str, folder: Path) -> str:
     message : str
         The message.
     folder : Path
-        The folder of the file, without which a name is no name of a file.
+        The folder of the file, which the message must contain.
     """
     if not message.isprintable():
         return "not one line of printable text"

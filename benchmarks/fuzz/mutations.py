@@ -1,7 +1,7 @@
 """Mutations of files: of bytes, of the tokens of texts, and of the parts of binary formats.
 
-Every mutation is a function of the content and of a random generator, so that an input can be
-made again from its number alone. What is made is at most `MAX_BYTES` long.
+Every mutation is a function of the content and a random generator, so that an input can be made
+again from its number alone. Results are at most `MAX_BYTES` long.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ NUMBERS: Final[tuple[bytes, ...]] = (
     *(b"9223372036854775807", b"18446744073709551616", b"1" * 30, b"9" * 5000, b"0." + b"0" * 400),
     *(b"\xd9\xa1", b"\xc2\xb2", b"1_000", b"1,5", b".", b"+", b""),
 )
-"""What numbers of texts are replaced by; two of them are digits that are not ASCII."""
+"""Replacements of numbers in texts; two of them are digits outside ASCII."""
 
 SIGNS: Final[tuple[bytes, ...]] = (
     *(b"(", b")", b"[", b"]", b"{", b"}", b"<", b">", b'"', b"'", b",", b";", b":", b"=", b"#"),
@@ -36,25 +36,25 @@ SIGNS: Final[tuple[bytes, ...]] = (
     *(b"\xe2\x80\xa8", b"\xe2\x80\xae", b"\xef\xbb\xbf", b"\xed\xa0\x80", b"\xf0\x9f\x98\x80"),
     *(b"../", b"/", b"/dev/zero", b"..", b"%s%n", b"{}", b"\\", b"&amp;", b"&#0;", b"null"),
 )
-"""What is inserted into texts of any format: signs, controls, broken UTF-8 and names of files."""
+"""Insertions into any text: punctuation, control characters, broken UTF-8, names of files."""
 
 INTEGERS: Final[tuple[int, ...]] = (
     *(0, 1, 2, 3, 4, 7, 8, 16, 100, 127, 128, 255, 256, 32767, 32768, 65535, 65536),
     *(2**31 - 1, 2**31, 2**32 - 1, 2**63 - 1, 2**63, 2**64 - 1, 64_000_000, 64_000_001),
 )
-"""What integers of binary files are replaced by, as far as they fit."""
+"""Replacements of integers in binary files, modulo their size."""
 
 TOKEN: Final = re.compile(rb"\d+\.?\d*(?:[eE][+-]?\d+)?|[A-Za-z_][\w-]*|\s+|[^\w\s]|[^\x00-\x7f]+")
 NUMERIC: Final = re.compile(rb"\d")
 
 Mutation = Callable[[bytes, Generator, Sequence[bytes], Sequence[bytes]], bytes]
-"""Changes a content; also takes the generator, the seeds of the format and its dictionary."""
+"""Takes a content, the generator, the seeds of the format and its dictionary."""
 
 T = TypeVar("T")
 
 
 def pick(rng: Generator, choices: Sequence[T]) -> T:
-    """Return one of some choices."""
+    """Return a random element of a sequence."""
     return choices[int(rng.integers(len(choices)))]
 
 
@@ -72,13 +72,13 @@ def mutated(
     content : bytes
         A seed.
     rng : numpy.random.Generator
-        What it depends on.
+        Random generator.
     seeds : sequence of bytes
         The seeds of the format, for splices.
     words : sequence of bytes
         The dictionary of the format.
     mutate : Mutation
-        The mutations that suit the format.
+        A mutation that suits the format.
     """
     for _ in range(min(int(rng.geometric(0.5)), MAX_ROUNDS)):
         content = mutate(content, rng, seeds, words)[:MAX_BYTES]
@@ -152,7 +152,7 @@ def of_text(
         case 15:
             del tokens[at : at + span]
         case 16:
-            # Often once more, sometimes as often as there is room for.
+            # Often twice, sometimes so often that the result is cut.
             tokens[at:at] = tokens[at : at + span] * 2 ** int(rng.integers(12))
         case 17:
             other = int(rng.integers(len(tokens)))
@@ -209,7 +209,7 @@ PNG_CHUNKS: Final = (
 
 
 def of_png(content: bytes, rng: Generator, seeds: Sequence[bytes], words: Sequence[bytes]) -> bytes:
-    """Change chunks of a PNG, with checksums that are right, or its bytes."""
+    """Change chunks of a PNG, with valid checksums, or its bytes."""
     chunks = _png_chunks(content)
     if not chunks or rng.random() < 0.2:
         return of_bytes(content, rng, seeds, words)
@@ -219,7 +219,7 @@ def of_png(content: bytes, rng: Generator, seeds: Sequence[bytes], words: Sequen
     kind, body = chunks[at]
     match int(rng.integers(7)):
         case 0 | 1 if kind == b"IDAT":
-            # Behind the compression, as far as it is sound.
+            # Change the decompressed samples, if they can be decompressed.
             try:
                 samples = zlib.decompressobj().decompress(body, MAX_BYTES)
             except zlib.error:
@@ -256,7 +256,7 @@ def _png_chunks(content: bytes) -> list[tuple[bytes, bytes]]:
 def of_image(
     content: bytes, rng: Generator, seeds: Sequence[bytes], words: Sequence[bytes]
 ) -> bytes:
-    """Change an image: the header of a portable grey map as text, all others by their parts."""
+    """Change an image: the header of a PGM as text, a PNG by its chunks, others by bytes."""
     if content.startswith(PNG_SIGNATURE):
         return of_png(content, rng, seeds, words)
     if content[:1] == b"P" and rng.random() < 0.6:
@@ -265,7 +265,7 @@ def of_image(
 
 
 def of_npy(content: bytes, rng: Generator, seeds: Sequence[bytes], words: Sequence[bytes]) -> bytes:
-    """Change the header of an array as text, with a length that is right, or its bytes."""
+    """Change the header of an array as text, with its length corrected, or its bytes."""
     length = int.from_bytes(content[8:10], "little")
     if rng.random() < 0.4:
         return of_bytes(content, rng, seeds, words)
@@ -275,7 +275,7 @@ def of_npy(content: bytes, rng: Generator, seeds: Sequence[bytes], words: Sequen
 
 
 def of_dxf(content: bytes, rng: Generator, seeds: Sequence[bytes], words: Sequence[bytes]) -> bytes:
-    """Change pairs of group code and value of a drawing, or its bytes if it is binary."""
+    """Change pairs of group code and value of a drawing, or its bytes."""
     if content.startswith(b"AutoCAD Binary") or rng.random() < 0.1:
         return of_bytes(content, rng, seeds, words)
     lines = content.split(b"\n")

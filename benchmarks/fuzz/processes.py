@@ -1,8 +1,8 @@
 """Batches of inputs in processes of their own, which may crash, hang or run out of memory.
 
-A process takes one input after the other and reports each. If it ends before its batch does, the
-input that it was at is what ended it, and another process goes on with the next one. The system
-ends a process whose input takes longer than it may, so that compiled code is interrupted, too.
+A process takes one input after the other and reports each. If it ends before its batch does, its
+current input caused that, and another process continues with the next input. The system ends a
+process whose input takes too long, so that compiled code is interrupted, too.
 """
 
 from __future__ import annotations
@@ -22,17 +22,17 @@ from benchmarks.fuzz.judging import MAX_MEMORY, MAX_SECONDS, Outcome, Verdict, j
 from benchmarks.fuzz.targets import Target
 
 MAX_IDLE_S: Final = 120.0
-"""Time without a report after which a process is ended, though it uses no processor (s)."""
+"""Time in seconds without a report after which a process is ended, even if it is idle."""
 
 ROOM: Final = 3 * MAX_MEMORY
-"""What a process may allocate beyond what it has at the beginning, in bytes."""
+"""Memory that a process may allocate in addition to its initial size, in bytes."""
 
 _FORK: Final = multiprocessing.get_context("fork")
 
 
 @dataclass(slots=True)
 class _Batch:
-    """Numbers that are still to be read, and the process that is at the first of them."""
+    """Numbers of the inputs that are still to be read, and the process that reads the first."""
 
     numbers: range
     folder: Path
@@ -43,7 +43,7 @@ class _Batch:
 def run(
     target: Target, seed: int, numbers: range, workers: int = 1
 ) -> Iterator[tuple[int, Outcome]]:
-    """Yield what becomes of the inputs of a reader, by their numbers.
+    """Yield the results of the inputs of a reader, with their numbers.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ def run(
     numbers : range
         Numbers of the inputs.
     workers : int
-        How many processes run at a time.
+        Number of processes at a time.
     """
     target.warm_up()
     with tempfile.TemporaryDirectory(prefix="fuzz-") as folder:
@@ -72,7 +72,7 @@ def run(
 
 
 def _reports(target: Target, seed: int, batches: list[_Batch]) -> Iterator[tuple[int, Outcome]]:
-    """Yield what has been reported, and start processes anew that have ended too early."""
+    """Yield the results reported since, and restart processes that have ended too early."""
     ready = wait([batch.reports for batch in batches], MAX_IDLE_S)
     for batch in list(batches):
         has_ended = False

@@ -1,7 +1,7 @@
-"""The readers that are given damaged files: seeds, dictionaries, options and how they are called.
+"""The readers under test: their seeds, dictionaries, options and calls.
 
-A folder of seeds has the files of one format; what they name (an image, an included file) lies
-in its folder ``companions``, which is copied beside every input.
+A folder of seeds has the files of one format; the files that they name (an image, an included
+file) are in its folder ``companions``, which is copied beside every input.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ from multisrt.recording import Footer, Header, Recording
 from multisrt.recording.lines import digest_of
 
 FOLDER: Final = Path(__file__).resolve().parents[2] / "tests" / "environments" / "fuzz"
-"""Folder of the seeds and of the inputs that are kept."""
+"""Folder of the seeds and of the kept inputs."""
 
 Options = dict[str, Any]
 Read = Callable[..., Environment]
@@ -59,22 +59,22 @@ def _as_it_is(content: bytes, rng: np.random.Generator) -> bytes:
 
 @dataclass(frozen=True, kw_only=True)
 class Target:
-    """A reader with what it is tried with.
+    """A reader, and how its inputs are made.
 
     Attributes
     ----------
     name : str
-        The format, and the name of the folders of its seeds and of what is kept.
+        The format, and the name of the folders of its seeds and of its kept inputs.
     options : tuple of dict
-        Options of the reader, of which each input takes one; all are tried on what is kept.
+        Sets of options of the reader: each input uses one of them, kept inputs are read with all.
     mutate : Mutation
-        How its files are changed.
+        Mutation of its files.
     words : tuple of bytes
         The dictionary of the format.
     read : callable
         Takes the path and the options.
     finish : callable
-        Last step of an input, such as the repair of a digest.
+        Last step in making an input, such as the repair of a digest.
     """
 
     name: str
@@ -90,7 +90,7 @@ class Target:
         return [(path.suffix, path.read_bytes()) for path in files_in(FOLDER / "seeds" / self.name)]
 
     def input(self, seed: int, number: int) -> Input:
-        """Return an input by its number: first the seeds as they are, then mutations of them.
+        """Return an input by its number: first the unchanged seeds, then mutations of them.
 
         Parameters
         ----------
@@ -110,7 +110,7 @@ class Target:
         return Input(self.finish(changed, rng), suffix, options)
 
     def warm_up(self) -> None:
-        """Read the seeds once, so that compiling and loading is no part of an input."""
+        """Read the seeds once, so that later inputs include no compilation and imports."""
         with tempfile.TemporaryDirectory(prefix="fuzz-") as name:
             self.prepare(Path(name))
             for (suffix, content), options in product(self.seeds, self.options):
@@ -120,13 +120,13 @@ class Target:
                     self.read(path, **options)
 
     def prepare(self, folder: Path) -> None:
-        """Copy what the inputs name into an empty folder."""
+        """Copy the companions of the inputs into an empty folder."""
         for path in files_in(FOLDER / "seeds" / self.name / "companions"):
             shutil.copy(path, folder)
 
 
 def files_in(folder: Path) -> list[Path]:
-    """Return the files of a folder by their names; none if there is no folder."""
+    """Return the files of a folder, sorted by name; none if there is no folder."""
     if not folder.is_dir():
         return []
     return sorted(path for path in folder.iterdir() if path.is_file())
@@ -145,7 +145,7 @@ def _of_recording(path: Path) -> Environment:
 
 
 def _with_digest(content: bytes, rng: np.random.Generator) -> bytes:
-    """Repair the digest of every other recording, as far as its lines can be read."""
+    """Repair the digest of half of the recordings, if their lines can be read."""
     if rng.random() < 0.5:
         return content
     try:

@@ -1,4 +1,4 @@
-"""Readers of map files, one format in each module."""
+"""Readers of map files: one module, or one package, for each format."""
 
 from pathlib import Path
 from typing import Final
@@ -59,7 +59,7 @@ FORMATS: Final[tuple[MapFormat, ...]] = (
     SVG,
     DXF,
 )
-"""The formats that are read."""
+"""The formats that can be read."""
 
 
 def format_of(path: Path) -> MapFormat:
@@ -73,7 +73,8 @@ def format_of(path: Path) -> MapFormat:
     Raises
     ------
     MapFormatError
-        If there is no such file, or neither its content nor its suffix is known.
+        If the file does not exist or cannot be read, or has neither the content nor the suffix of
+        a known format.
 
     Examples
     --------
@@ -87,14 +88,14 @@ def format_of(path: Path) -> MapFormat:
             return known
     if is_team(beginning):
         raise refuse_team_alone(path)
-    # Its reader says what is wrong with the file.
+    # The reader of that format reports what is wrong with the file.
     for known in FORMATS:
         if path.suffix.lower() in known.suffixes:
             return known
     readable = ", ".join(f"{known.name} ({' '.join(known.suffixes)})" for known in FORMATS)
     raise MapFormatError(
-        f"{path} is not a map that is known by its content or its suffix {path.suffix!r}; "
-        f"readable are: {readable}"
+        f"{path} is not a map: no format is known by its content or by its suffix {path.suffix!r}; "
+        f"readable formats: {readable}"
     )
 
 
@@ -107,25 +108,28 @@ def read_environment(
     name: str | None = None,
     repair: bool = False,
 ) -> Environment:
-    """Return the world of a map file, whose content determines the format.
+    """Return the world of a map file; the content of the file determines its format.
 
     Parameters
     ----------
     path : str or Path
-        A file of one of the `FORMATS`: ROS map server, image, GeoJSON, well-known text, world of
-        Stage, MovingAI grid or scenario, IMR polygons or HouseExpo.
+        A file of one of the `FORMATS`: ROS map server, image, GeoJSON, well-known text, Stage
+        world, MovingAI grid or scenario, IMR polygons, HouseExpo, numpy array, SVG or DXF.
     resolution_m : float, optional
-        Metres per pixel or cell. Required for images and MovingAI grids and scenarios; other
-        formats have a scale of their own and do not accept it.
+        Metres per pixel, cell, or unit of a drawing. Required for images, numpy arrays, MovingAI
+        grids and scenarios, and for drawings without a scale; it overrides the scale that a
+        drawing states. Other formats have a scale of their own and do not accept it.
     threshold : float, optional
-        Lightness in [0, 1] above which a pixel of an image is free; only for images.
+        Lightness in [0, 1] above which a pixel or paint is free; only for images, numpy arrays of
+        grey values, and SVG drawings without names.
     starts_from : str or Path, optional
-        A team file of MRESim, whose robots' pixels become the suggested starts; only for images.
+        An MRESim team file, whose robots' pixels become the suggested starts; only for images.
     name : str, optional
-        Name of the world; by default the name of the file without its suffix.
+        Name of the world; by default that of the file without its suffix, or the ``id`` of a
+        HouseExpo plan.
     repair : bool, optional
-        Whether rings that are open or cross are repaired, where they are refused by default. What
-        was changed is the world's `Environment.cleaning`.
+        Whether rings that are open or cross are repaired instead of refused, in formats of
+        polygons. `Environment.cleaning` records the changes.
 
     Returns
     -------
@@ -135,8 +139,10 @@ def read_environment(
     Raises
     ------
     MapFormatError
-        If the format is not known, or the file cannot be read; the message names the file, the
-        place in it and the remedy.
+        If the format is not known, the file cannot be read, or an option does not apply to it;
+        the message names the file, the place in it and the remedy.
+    MissingExtraError
+        If the file is a DXF drawing and ezdxf is not installed (``multisrt[dxf]``).
 
     Examples
     --------
@@ -148,7 +154,7 @@ def read_environment(
     known = format_of(path)
     if starts_from is not None and known is not IMAGE:
         raise MapFormatError(
-            f"{path} is not a plain image, whose pixels a team file names; "
+            f"{path} is not a plain image, and a team file names pixels of one; "
             "leave out --starts-from (starts_from)"
         )
     read = known.repair if repair and known.repair is not None else known.read

@@ -84,7 +84,7 @@ def polygons_from_grid(
     cell = _cell_sides(resolution_m)
     if not 0 <= tolerance_cells < 0.5:
         raise InvalidInputError(
-            f"tolerance_cells is {tolerance_cells}; it is at least 0 and below 0.5, "
+            f"tolerance_cells is {tolerance_cells}; it must be at least 0 and below 0.5, "
             "or thin walls would vanish"
         )
     if not free.any():
@@ -106,19 +106,19 @@ def _cell_sides(resolution_m: Resolution) -> FloatArray:
     sides = np.asarray(resolution_m, np.float64)
     if sides.shape not in ((), (2,)) or not (np.isfinite(sides) & (sides > 0)).all():
         raise InvalidInputError(
-            f"resolution_m is {resolution_m}; it is a positive number of metres per cell, or two, "
-            "along x and along y"
+            f"resolution_m is {resolution_m}; it must be a positive number of metres per cell, or "
+            "two, along x and along y"
         )
     return np.broadcast_to(sides, 2)
 
 
 def polygons_between_lines(free: BoolArray, x_m: FloatArray, y_m: FloatArray) -> MultiPolygon:
-    """Return the union of free cells of a grid whose lines have any distances.
+    """Return the union of the free cells of a grid whose lines are unevenly spaced.
 
     Parameters
     ----------
     free : bool array, shape (rows, columns)
-        True where a cell is free. No two free cells may touch at a corner alone.
+        True where a cell is free. No two free cells may touch only at a corner.
     x_m : float array, shape (columns + 1,)
         The lines between columns in metres, increasing.
     y_m : float array, shape (rows + 1,)
@@ -127,12 +127,12 @@ def polygons_between_lines(free: BoolArray, x_m: FloatArray, y_m: FloatArray) ->
     Returns
     -------
     MultiPolygon
-        One polygon for each component, with vertices at its corners only.
+        One polygon for each component, in metres, with vertices only at its corners.
 
     Raises
     ------
     InvalidInputError
-        If two free cells touch at a corner alone.
+        If two free cells touch only at a corner.
 
     Examples
     --------
@@ -148,8 +148,8 @@ def polygons_between_lines(free: BoolArray, x_m: FloatArray, y_m: FloatArray) ->
     if pinched.any():
         column, row = turns[np.flatnonzero(pinched)[0]]
         raise InvalidInputError(
-            f"free cells touch at the corner between rows {row - 1} and {row} and columns "
-            f"{column - 1} and {column} alone; free one more cell there"
+            f"free cells touch only at the corner between rows {row - 1} and {row} and columns "
+            f"{column - 1} and {column}; free one more cell there"
         )
     vertices = np.column_stack([x_m[turns[:, 0]], y_m[turns[:, 1]]])
     return _assemble(free, vertices, ring_starts, ring_cells)

@@ -11,7 +11,7 @@ FLATNESS_M: Final = 0.005
 """Maximum distance between a curve of a drawing and its polyline, in metres."""
 
 MAX_SEGMENTS: Final = 1000
-"""Upper bound of the segments of a curve; the largest then deviate by more."""
+"""Upper bound of the segments of a curve; very large curves deviate by more than the tolerance."""
 
 
 def cubic_points(controls: FloatArray, tolerance: float) -> FloatArray:
@@ -83,10 +83,10 @@ def arc_points(
     start, sweep = angles
     largest = max(radii)
     step = 2.0 * math.acos(max(0.0, 1.0 - tolerance / largest)) if largest > 0.0 else math.pi
-    # At least 60 degrees a segment, so that a small circle does not become a line.
+    # At most 60 degrees a segment, so that a small circle does not become a line.
     step = min(max(step, 1e-9), math.pi / 3)
     number = abs(sweep) / step
-    if abs(sweep) > 6.28:  # whole ellipses have their four vertices
+    if abs(sweep) > 6.28:  # whole ellipses keep their four extreme points
         number = 4.0 * math.ceil(min(number, MAX_SEGMENTS) / 4.0)
     t = start + sweep * _steps(number)
     x, y = radii[0] * np.cos(t), radii[1] * np.sin(t)

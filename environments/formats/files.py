@@ -1,4 +1,4 @@
-"""Steps of all readers: open a file of bounded size, check options, build the world."""
+"""Steps that readers share: open a file of bounded size, check options, build the world."""
 
 import json
 import math
@@ -27,7 +27,7 @@ MAX_CELLS = 64_000_000
 """Upper bound of the size of images and grids, in pixels or cells."""
 
 MAX_STARTS = 1000
-"""Upper bound of the suggested starts that are taken from a file."""
+"""Upper bound of the suggested starts that are read from a file."""
 
 
 def require_file(path: Path) -> int:
@@ -106,26 +106,26 @@ def read_json(path: Path, what: str) -> object:
 
 
 def named_file(folder: Path, name: str, place: str) -> Path:
-    """Return the path of a file that a map file names, in a folder or below it.
+    """Return the path of a file that a map file names, which is in a folder or below it.
 
     Parameters
     ----------
     folder : Path
         Folder to which the name is relative and which it may not leave, also by a symbolic link.
     name : str
-        The name, as it stands in the map file.
+        The name, as written in the map file.
     place : str
         The map file and the place in it, for messages.
 
     Returns
     -------
     Path
-        The path; there may be no such file.
+        The path; the file need not exist.
 
     Raises
     ------
     MapFormatError
-        If the name leads out of the folder, or is not that of a file.
+        If the name leads out of the folder, or cannot be the name of a file.
     """
     try:
         found = folder / name
@@ -149,7 +149,7 @@ def require_resolution(
     unit: str = "cell",
     least_m: float = SLIVER_WIDTH_M,
 ) -> float:
-    """Return the given metres per pixel, cell or unit of a drawing, for a format without a scale.
+    """Return the metres per pixel, cell or unit of a drawing, for a file without a scale.
 
     Parameters
     ----------
@@ -158,9 +158,9 @@ def require_resolution(
     resolution_m : float or None
         The option of the reader.
     unit : str
-        What has that size, for messages.
+        What the resolution is the size of, for messages.
     least_m : float
-        Smallest size in metres; by default 1 mm, below which space is not free.
+        Minimum in metres; by default 1 mm, the width below which space is not free.
 
     Raises
     ------
@@ -176,7 +176,7 @@ def require_resolution(
     if not (math.isfinite(resolution_m) and resolution_m >= least_m):
         raise MapFormatError(
             f"{path}: the resolution is {resolution_m:g} m per {unit}; "
-            f"it is a finite number of at least {least_m:g} m"
+            f"it must be a finite number of at least {least_m:g} m"
         )
     return resolution_m
 
@@ -192,7 +192,7 @@ def require_number(path: Path, what: str, value: Any) -> float:
     if not isinstance(value, bool | str):
         with suppress(TypeError, ValueError, OverflowError):
             return float(value)
-    raise MapFormatError(f"{path}: the {what} is a number, not {value!r}")
+    raise MapFormatError(f"{path}: the {what} must be a number, not {value!r}")
 
 
 def refuse_resolution(path: Path, resolution_m: float | None) -> None:
@@ -220,7 +220,7 @@ def refuse_threshold(path: Path, threshold: float | None) -> None:
 
 
 def grid_polygons(path: Path, free: BoolArray, resolution_m: Resolution) -> MultiPolygon:
-    """Return the polygons of the free cells of a file, whose first row is at the top.
+    """Return the polygons of the free cells of a grid whose first row is at the top.
 
     Parameters
     ----------
@@ -243,7 +243,7 @@ def grid_polygons(path: Path, free: BoolArray, resolution_m: Resolution) -> Mult
 
 
 def straightened(resolution_m: Resolution) -> Cleaning:
-    """Return what `grid_polygons` changes of the walls of a grid."""
+    """Return the changes that `grid_polygons` makes to the walls of a grid."""
     return Cleaning(straightened_m=displacement_bound_m(resolution_m))
 
 
@@ -275,7 +275,7 @@ def build_environment(
             path.stem if name is None else name,
             free,
             starts=starts,
-            origin=escaped(origin),  # it may cite names of the file
+            origin=escaped(origin),  # may hold names from the file
             cleaning=cleaning,
         )
     except InvalidInputError as error:
@@ -287,6 +287,6 @@ def shown(value: object) -> str:
     if isinstance(value, list | tuple | dict | set):
         return f"a {type(value).__name__} of {len(value)}"
     if isinstance(value, int) and value.bit_length() > 10_000:
-        return f"a whole number of {value.bit_length():,} bits"  # not all can be written
+        return f"a whole number of {value.bit_length():,} bits"  # Python limits the digits
     text = repr(value)
     return text if len(text) <= 60 else text[:57] + "..."

@@ -48,12 +48,12 @@ def read_geojson(
     """Read a GeoJSON file whose coordinates are metres.
 
     Geometry, Feature and FeatureCollection are read. The property ``kind``, or else ``type``, of a
-    feature distinguishes, in any case of letters:
+    feature, in upper or lower case, states what it is:
 
     - ``outline`` or ``free``, or neither property: a Polygon or MultiPolygon of free space with
       obstacles as holes. Free space is the union of all of them.
     - ``obstacle``: a Polygon or MultiPolygon that is subtracted from free space.
-    - ``start``: a Point or MultiPoint where robots may start, in the order of the file.
+    - ``start``: a Point or MultiPoint of suggested starts, in the order of the file.
 
     Parameters
     ----------
@@ -69,8 +69,9 @@ def read_geojson(
     Raises
     ------
     MapFormatError
-        If the file is not GeoJSON, has another geometry or kind, a ring that is open, too
-        short or crosses itself, a coordinate that is not finite, or coordinates in degrees.
+        If the file is not GeoJSON, or has another geometry or kind, a ring that is open, too
+        short or crosses itself, a coordinate that is not finite, coordinates in degrees, or no
+        free space.
         The message gives feature, ring and position, counted from 1.
     """
     refuse_resolution(path, resolution_m)
@@ -150,7 +151,7 @@ def _add(world: _World, place: _Place, item: object, kind: str) -> None:
             for number, feature in enumerate(_list(place, item, "features"), start=1):
                 there = place.at("feature", number)
                 if not isinstance(feature, dict) or feature.get("type") != "Feature":
-                    raise there.error("this is no Feature", "a collection holds only Features")
+                    raise there.error("this is not a Feature", "a collection holds only Features")
                 _add(world, there, feature, kind)
         case "Feature":
             _add(world, place, item.get("geometry"), _kind(place, item.get("properties")))
@@ -179,12 +180,12 @@ def _kind(place: _Place, properties: object) -> str:
     if properties is None:
         return "free"
     if not isinstance(properties, dict):
-        raise place.error(f"properties are {shown(properties)}", "they are an object or null")
+        raise place.error(f"properties are {shown(properties)}", "they must be an object or null")
     word = properties.get("kind", properties.get("type"))
     if word is None:
         return "free"
     if not isinstance(word, str) or word.lower() not in KINDS:
-        raise place.error(f"the kind is {shown(word)}", f"it is one of {', '.join(KINDS)}")
+        raise place.error(f"the kind is {shown(word)}", f"it must be one of {', '.join(KINDS)}")
     return KINDS[word.lower()]
 
 
@@ -214,7 +215,7 @@ def _unite(world: _World, place: _Place, drawn: Polygon, kind: str) -> None:
 
 def _ring(world: _World, place: _Place, ring: object) -> list[tuple[float, float]]:
     if not isinstance(ring, list):
-        raise place.error(f"the ring is {shown(ring)}", "it is a list of positions")
+        raise place.error(f"the ring is {shown(ring)}", "it must be a list of positions")
     positions = [
         _position(place.at("position", number), position)
         for number, position in enumerate(ring, start=1)
@@ -225,7 +226,7 @@ def _ring(world: _World, place: _Place, ring: object) -> list[tuple[float, float
     if len(positions) < 4:
         raise place.error(
             f"the ring has {len(positions)} positions",
-            f"it has at least four, the last equal to the first; {FIXING}",
+            f"it needs at least four, the last equal to the first; {FIXING}",
         )
     if positions[0] != positions[-1]:
         raise place.error(
@@ -237,7 +238,7 @@ def _ring(world: _World, place: _Place, ring: object) -> list[tuple[float, float
 
 def _position(place: _Place, position: object) -> tuple[float, float]:
     if not isinstance(position, list) or len(position) < 2:
-        raise place.error(f"the position is {shown(position)}", "it is a list [x, y] of metres")
+        raise place.error(f"the position is {shown(position)}", "it must be [x, y] in metres")
     x, y = (_coordinate(place, value) for value in position[:2])
     return x, y
 
@@ -245,12 +246,12 @@ def _position(place: _Place, position: object) -> tuple[float, float]:
 def _coordinate(place: _Place, value: object) -> float:
     number = math.nan
     if isinstance(value, int | float) and not isinstance(value, bool):
-        # Before the conversion: integers of JSON have no bound.
+        # Compared before the conversion: integers of JSON have no bound.
         number = float(value) if abs(value) <= MAX_COORDINATE_M else math.inf
     if not math.isfinite(number):
         raise place.error(
             f"a coordinate is {shown(value)}",
-            f"it is a number of metres, at most {MAX_COORDINATE_M:g}",
+            f"it must be a number of metres, at most {MAX_COORDINATE_M:g}",
         )
     return number
 
@@ -258,7 +259,7 @@ def _coordinate(place: _Place, value: object) -> float:
 def _list(place: _Place, item: dict[str, object], key: str) -> list[object]:
     value = item.get(key)
     if not isinstance(value, list):
-        raise place.error(f"{key} is {shown(value)}", "it is a list")
+        raise place.error(f"{key} is {shown(value)}", "it must be a list")
     return value
 
 

@@ -1,4 +1,4 @@
-"""Floor plans of the data set HouseExpo: the outline of a flat or house in metres."""
+"""Floor plans of the HouseExpo data set: the outline of a flat or house, in metres."""
 
 import re
 from pathlib import Path
@@ -31,11 +31,11 @@ def read_house_expo(
     threshold: float | None = None,
     name: str | None = None,
 ) -> Environment:
-    """Read a floor plan of HouseExpo, whose free space is the inside of its outline.
+    """Read a HouseExpo floor plan: free space is the inside of its outline.
 
     Doors are openings in these plans, so that rooms are connected and one outline holds all of
-    them. The outline may touch itself, where two rooms are separated by a wall without thickness:
-    the inside is determined by the even-odd rule, as by the simulator of the data set.
+    them. The outline may touch itself where two rooms are separated by a wall without thickness;
+    its inside is determined by the even-odd rule, as in the simulator of the data set.
 
     Parameters
     ----------
@@ -45,7 +45,8 @@ def read_house_expo(
     resolution_m, threshold
         Rejected: the file is in metres and not an image.
     name : str, optional
-        By default the ``id`` of the plan, or the file's name without suffix if there is none.
+        By default the ``id`` of the plan if it has a printable one of at most 80 characters, else
+        the file's name without suffix.
 
     Raises
     ------
@@ -93,8 +94,8 @@ def _vertex(path: Path, number: int, vertex: object) -> tuple[float, float]:
         if _is_coordinate(x) and _is_coordinate(y):
             return float(x), float(y)
     raise MapFormatError(
-        f"{path}, vertex {number} is {shown(vertex)}; it is [x, y], finite numbers of metres, at "
-        f"most {MAX_COORDINATE_M:g}"
+        f"{path}, vertex {number} is {shown(vertex)}; it must be [x, y], finite numbers of metres, "
+        f"at most {MAX_COORDINATE_M:g}"
     )
 
 

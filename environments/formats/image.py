@@ -32,12 +32,12 @@ FREE_SHARE_OF_WHITE = 0.9
 """Default threshold of free pixels, as a share of the white of the map."""
 
 WHITE_PERCENTILE = 99
-"""Percentile of the lightness of a map that is its white."""
+"""Percentile of lightness that is taken as the white of a map."""
 
 LUMA = (299, 587, 114)
 """Weights of red, green and blue in the lightness of a pixel (ITU-R BT.601)."""
 
-# Formats by name: Pillow also knows some that start other programs.
+# An explicit list, since Pillow also has formats that start other programs.
 PILLOW_FORMATS = ("PNG", "PPM", "BMP", "JPEG", "GIF", "TIFF")
 
 
@@ -52,23 +52,19 @@ def read_image(
 
     The lower left corner of the image is the origin, y is up. Lightness is the grey value, or the
     luma of a colour, as a share of the largest that the image's depth allows. Pixels that are
-    not fully opaque are not free. A marked start, a small square of a level of its own in free
-    space, becomes a suggested start; see `start_mark`.
+    not fully opaque are not free. A small square in free space, of a level used nowhere else,
+    marks a suggested start; see `start_mark`.
 
     Parameters
     ----------
     path : Path
         PNG, PGM (and PBM, PPM), BMP, GIF, JPEG or TIFF with 1, 8 or 16 bits a channel.
     resolution_m : float
-        Side of a pixel in metres, which is required: the pixels per inch that images state are
-        those of a screen or a printer, and world files beside them do not state their unit.
+        Side of a pixel in metres. Required, since the pixels per inch stated in an image are those
+        of a screen or a printer, and world files beside an image do not state their unit.
     threshold : float, optional
-        In [0, 1]: a pixel is free if its lightness is greater. By default 0.9 of the map's
-        white, which is the 99th percentile of lightness: it separates free space from the light
-        greys that SLAM maps give the unknown and floor plans give furniture, and follows maps
-        that draw free space in grey. (Thresholds between the two main groups of greys, as Otsu's,
-        are between walls and the unknown where there are few walls: with 4 % black, 52 % at 205
-        and 44 % at 254, Otsu's threshold is 0.)
+        Lightness in [0, 1] above which a pixel is free. By default 0.9 of the map's white, which
+        is the 99th percentile of lightness.
     name : str, optional
         By default the file's name without suffix.
 
@@ -77,6 +73,13 @@ def read_image(
     MapFormatError
         If the file is not a readable image, is larger than 64 million pixels, or has no free
         pixel.
+
+    Notes
+    -----
+    The default threshold separates free space from the light greys of unknown cells in SLAM maps
+    and of furniture in floor plans, and adapts to maps that draw free space in grey. Otsu's method,
+    which separates the two main groups of greys, fails where there are few walls: with 4 % of
+    pixels black, 52 % at 205 (unknown) and 44 % at 254, its threshold is 0.
     """
     resolution_m = require_resolution(path, resolution_m)
     pixels = read_pixels(path)
@@ -111,9 +114,9 @@ def free_pixels(
     threshold : float or None
         Lightness in [0, 1] above which a pixel is free; None for the default of `read_image`.
     full : int
-        The largest level that there can be.
+        The largest possible level.
     opaque : bool array, shape (rows, columns), optional
-        Mask of the pixels that may be free.
+        Mask of the pixels that may be free; by default all.
 
     Returns
     -------
@@ -171,7 +174,7 @@ class Pixels:
     def weighted(self, weights: tuple[int, int, int]) -> tuple[NDArray[np.uint32], int]:
         """Return the weighted sum of red, green and blue of each pixel, and its largest value.
 
-        For a grey image they are the grey values.
+        For a grey image, the weights do not matter: it returns the grey values.
         """
         if self.channels.ndim == 2:
             return self.channels.astype(np.uint32), self.full
@@ -193,7 +196,7 @@ def read_pixels(path: Path) -> Pixels:
 
     require_file(path)
     with warnings.catch_warnings():
-        # The size is checked here, before anything is decoded; other warnings are of metadata.
+        # Sizes are checked before anything is decoded; other warnings concern metadata.
         warnings.simplefilter("ignore")
         try:
             with Image.open(path, formats=PILLOW_FORMATS) as image:
@@ -234,7 +237,7 @@ def _decoded(path: Path, image: "Image") -> Pixels:
         if values.min() < 0 or values.max() > 65535:
             raise MapFormatError(
                 f"{path} has grey values from {values.min()} to {values.max()}; "
-                "they are read from 0 to 65535, so save it with 8 or 16 bits"
+                "they must be from 0 to 65535: save it with 8 or 16 bits"
             )
         alpha = None if key is None else np.where(values == key, 0, 255).astype(np.uint8)
         return Pixels(channels=values.astype(np.uint16), full=65535, alpha=alpha)
@@ -285,7 +288,7 @@ SIGNATURES = (
     b"MM\0*",
     *(b"P%d%c" % (kind, space) for kind in range(1, 7) for space in b" \t\r\n#"),
 )
-"""First bytes of image files; those of BMP, two letters, are not distinctive."""
+"""First bytes of image files; the two letters of BMP alone are not distinctive."""
 
 
 def _is_image(beginning: Beginning) -> bool:

@@ -38,13 +38,13 @@ UNUSED_SECTIONS: Final = (
     "[TRIMESH_CONVEX_REGION]",
     "[TRIMESH_CONVEX_REGION_TRIANGLES]",
 )
-"""Sections of the layout ``FORMAT=MAP_POINTS`` that are made of the polygons and not read."""
+"""Sections of the layout ``FORMAT=MAP_POINTS`` that follow from the polygons, and are not read."""
 
 SECTIONS_OF_NAMED: Final = ("[NAME]", "[LIMITS]", "[POINTS]", "[BORDER]", "[NUM_HOLES]", "[HOLE]")
 """Sections of the layout that begins with ``[NAME]``."""
 
 FREE_TEXT: Final = ("[NAME]", "[INFO]", *UNUSED_SECTIONS)
-"""Sections whose content is not made of numbers, or not read."""
+"""Sections whose content is text, or is not read."""
 
 Point = tuple[float, float]
 
@@ -72,26 +72,27 @@ def read_imr(
     Parameters
     ----------
     path : Path
-        Polygons are not closed and in either sense. Obstacles may overlap. Points are numbered
-        from 0 in their order.
+        Polygons are not closed, and may have either orientation. Obstacles may overlap. Points are
+        numbered from 0, in their order.
     resolution_m, threshold
-        Refused: the file states its own scale and is not an image.
+        Rejected: the file states its own scale and is not an image.
     name : str, optional
         By default the file's name without suffix.
     repair : bool
-        Whether rings that cross are repaired; by default they are refused.
+        Whether rings that cross are repaired instead of refused.
 
     Raises
     ------
     MapFormatError
-        If a section is unknown, missing or has too few points, a line is not made of the
-        numbers that belong there, a count is wrong, an index has no point, or a ring crosses
+        If a section is unknown, missing or has too few points, a line does not hold the numbers
+        that belong there, a count is wrong, there is no point of an index, or a ring crosses
         itself.
 
     Notes
     -----
-    Source: the loader of the library TřiVis (J. Mikula, CTU Prague). Differs in: obstacles are
-    not moved into the border but cut off there, and other sections and wrong counts are errors.
+    Source: the loader of the library TřiVis (J. Mikula, CTU Prague); differs in: obstacles are
+    cut off at the border instead of being moved into it, and other sections and wrong counts are
+    errors.
     """
     refuse_resolution(path, resolution_m)
     refuse_threshold(path, threshold)
@@ -145,7 +146,7 @@ class _Section:
         """Return a row that is one whole number of at least 0."""
         row = self.rows[at] if at < len(self.rows) else []
         if len(row) != 1 or not row[0].is_integer() or row[0] < 0:
-            raise self.error("is followed by a line with one whole number")
+            raise self.error("must be followed by a line with one whole number")
         if most is not None and row[0] > most:
             raise self.error(f"has {row[0]:g} where at most {most} is possible")
         return int(row[0])
@@ -196,7 +197,7 @@ def _row(path: Path, number: int, text: str) -> list[float]:
         row = []
     if not row or not all(math.isfinite(value) for value in row):
         raise MapFormatError(
-            f"{path}, line {number} is {shown(text)}; it is made of finite numbers"
+            f"{path}, line {number} is {shown(text)}; it must consist of finite numbers"
         )
     return row
 
@@ -205,7 +206,7 @@ def _row(path: Path, number: int, text: str) -> list[float]:
 
 
 Polygons = list[tuple[bool, _Section, Polygon]]
-"""Polygons with their sections, and whether each is the border."""
+"""For each polygon, whether it is the border, its section, and the polygon in metres."""
 
 
 def _plain_polygons(sections: list[_Section]) -> Polygons:
@@ -213,13 +214,13 @@ def _plain_polygons(sections: list[_Section]) -> Polygons:
     for section in sections:
         if section.heading == "[SCALE]":
             if len(section.rows) != 1 or len(section.rows[0]) != 1 or not section.rows[0][0] > 0:
-                raise section.error("is followed by one positive number")
+                raise section.error("must be followed by one positive number")
             scale = section.rows[0][0]
     polygons = []
     for section in sections:
         if section.heading in ("[BORDER]", "[OBSTACLE]"):
             if any(len(row) != 2 for row in section.rows):
-                raise section.error("is followed by at least three lines x y")
+                raise section.error("must be followed by at least three lines x y")
             points = [(x * scale, y * scale) for x, y in section.rows]
             polygons.append((section.heading == "[BORDER]", section, _polygon(section, points)))
         elif section.heading != "[SCALE]":
@@ -287,14 +288,14 @@ def _points(
         row = section.rows[at]
         if len(row) != 3 or row[0] != len(points):
             raise section.error_in(
-                at, f"a point is a line index x y, and this one has the index {len(points)}"
+                at, f"a point is a line index x y, and the index here must be {len(points)}"
             )
         points.append((row[1], row[2]))
     return points
 
 
 def _indexed(section: _Section, rows: range, points: list[Point], at: int) -> list[Point]:
-    """Return the points of the indices in rows: column `at` of each, or all columns if it is 0."""
+    """Return the points whose indices are in column `at` of rows, or in all columns if it is 0."""
     found = []
     for row in rows:
         values = section.rows[row]
@@ -303,7 +304,7 @@ def _indexed(section: _Section, rows: range, points: list[Point], at: int) -> li
         for value in values[at:]:
             if not (value.is_integer() and 0 <= value < len(points)):
                 raise section.error_in(
-                    row, f"{value:g} is no index of a point; they are 0 to {len(points) - 1}"
+                    row, f"{value:g} is not the index of a point; they are 0 to {len(points) - 1}"
                 )
             found.append(points[int(value)])
     return found
@@ -311,7 +312,7 @@ def _indexed(section: _Section, rows: range, points: list[Point], at: int) -> li
 
 def _polygon(section: _Section, points: list[Point]) -> Polygon:
     if len(points) < 3:
-        raise section.error("is followed by at least three lines or points")
+        raise section.error("must be followed by at least three lines or points")
     if not all(abs(value) <= MAX_COORDINATE_M for point in points for value in point):
         raise section.error(f"has a coordinate beyond {MAX_COORDINATE_M:g} m; check the scale")
     return Polygon(points)

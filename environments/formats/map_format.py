@@ -1,4 +1,4 @@
-"""What the library knows of a format of map files."""
+"""Formats of map files: name, suffixes, recognition and reader."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from multisrt.environments.formats.files import require_file
 from multisrt.geometry.errors import MapFormatError
 
 HEAD_BYTES: Final = 64 * 2**10
-"""Number of bytes at the beginning of a file by which its format is recognised (64 KiB)."""
+"""Number of bytes at the beginning of a file from which its format is recognised (64 KiB)."""
 
 
 class Reader(Protocol):
-    """Reader of one format, which rejects options that do not apply to it."""
+    """Reader of one format. It rejects options that do not apply to the format."""
 
     def __call__(
         self,
@@ -64,13 +64,14 @@ class MapFormat:
     name : str
         Its name in messages and tables, for instance ``"MovingAI grid"``.
     suffixes : tuple of str
-        Usual suffixes of its files in lower case, with the point.
+        Usual suffixes of its files in lower case, with the dot.
     recognises : callable
-        Whether a file that begins so is of this format. At most one format recognises a file.
+        Takes the beginning of a file and returns whether it is of this format. At most one format
+        recognises a file.
     read : Reader
         Its reader.
     repair : Reader or None
-        Its reader that repairs rings which are open or cross; None if it has no rings.
+        Reader that also repairs rings that are open or cross; None if the format has no rings.
     """
 
     name: str

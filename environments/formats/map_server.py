@@ -44,14 +44,14 @@ def read_map_server(
     ``p > occupied_thresh``, else free if ``p < free_thresh``. Anything else is unknown in the
     mode ``trinary`` and partly occupied or, where transparent, unknown in the mode ``scale``;
     neither is free space here. As in the server, ``trinary`` includes alpha as a channel of the
-    mean; ``scale`` ignores it and treats every transparent pixel as unknown.
-    Pixels with 16 bits are scaled.
+    mean; ``scale`` ignores it and treats every transparent pixel as unknown. Pixels of 16 bits are
+    scaled to 255.
 
     Parameters
     ----------
     path : Path
         The YAML file. Its ``image`` is in its folder or below; ``origin`` is the
-        pose x, y, yaw of the image's lower left corner, and a yaw turns the world.
+        pose x, y (m), yaw (rad) of the image's lower left corner; a yaw rotates the world.
     resolution_m, threshold
         Rejected: the file states its own.
     name : str, optional
@@ -60,8 +60,8 @@ def read_map_server(
     Raises
     ------
     MapFormatError
-        If a key is missing or wrong, the image is missing or damaged, the mode is ``raw``, or
-        no pixel is free.
+        If the file is not YAML or has an alias, a key is missing or wrong, the image is missing or
+        damaged, the mode is ``raw``, or no pixel is free.
 
     Notes
     -----
@@ -116,7 +116,7 @@ def _free_cells(
         # The server decodes grey with alpha to four channels.
         if pixels.channels.ndim == 2:
             levels, full = 3 * levels, 3 * full
-        # Alpha always has 8 bits, and so have the channels beside it, but for a 16-bit key.
+        # Alpha has 8 bits, as have the channels beside it, except with a transparent 16-bit grey.
         levels = levels + np.uint32(pixels.full // 255) * pixels.alpha
         full += pixels.full
     # Occupancy by level, as the server computes it: exact where a threshold meets a level.
@@ -134,7 +134,7 @@ def _entries(path: Path) -> dict[object, object]:
 
     try:
         text = read_text(path, max_bytes=MAX_YAML_BYTES)
-        # Values that are merged again and again would grow without a bound.
+        # Aliases that are merged repeatedly would grow without bound.
         if "*" in text and any(isinstance(event, yaml.AliasEvent) for event in yaml.parse(text)):
             raise MapFormatError(f"{path} has an alias (*name); write out the value in its place")
         loaded = yaml.safe_load(text)
@@ -155,7 +155,7 @@ def _entries(path: Path) -> dict[object, object]:
     if missing:
         raise MapFormatError(
             f"{path} lacks {', '.join(missing)}; "
-            f"a map server's YAML has {', '.join(REQUIRED_KEYS)} and, if need be, mode"
+            f"a map_server YAML has {', '.join(REQUIRED_KEYS)} and optionally mode"
         )
     return loaded
 
@@ -163,7 +163,7 @@ def _entries(path: Path) -> dict[object, object]:
 def _image_path(path: Path, entries: dict[object, object]) -> Path:
     image = entries["image"]
     if not isinstance(image, str):
-        raise MapFormatError(f"{path}: image is {shown(image)}; it is the name of a file")
+        raise MapFormatError(f"{path}: image is {shown(image)}; it must be the name of a file")
     found = named_file(path.parent, image, f"{path}: image")
     try:
         exists = found.exists()
@@ -180,7 +180,7 @@ def _image_path(path: Path, entries: dict[object, object]) -> Path:
 def _origin(path: Path, entries: dict[object, object]) -> tuple[float, float, float]:
     origin = entries["origin"]
     if not isinstance(origin, list) or len(origin) != 3:
-        raise MapFormatError(f"{path}: origin is {shown(origin)}; it is a list [x, y, yaw]")
+        raise MapFormatError(f"{path}: origin is {shown(origin)}; it must be a list [x, y, yaw]")
     x, y, yaw = (
         _finite(path, f"origin, number {number}", value)
         for number, value in enumerate(origin, start=1)
@@ -191,14 +191,14 @@ def _origin(path: Path, entries: dict[object, object]) -> tuple[float, float, fl
 def _share(path: Path, entries: dict[object, object], key: str) -> float:
     value = _number(path, entries, key)
     if not 0 <= value <= 1:
-        raise MapFormatError(f"{path}: {key} is {value:g}; it is an occupancy in [0, 1]")
+        raise MapFormatError(f"{path}: {key} is {value:g}; it must be an occupancy in [0, 1]")
     return value
 
 
 def _flag(path: Path, entries: dict[object, object], key: str) -> bool:
     value = entries[key]
     if value not in (0, 1, "0", "1"):
-        raise MapFormatError(f"{path}: {key} is {shown(value)}; it is 0 or 1")
+        raise MapFormatError(f"{path}: {key} is {shown(value)}; it must be 0 or 1")
     return value in (1, "1")
 
 
@@ -207,11 +207,11 @@ def _mode(path: Path, entries: dict[object, object]) -> str:
     word = mode.lower() if isinstance(mode, str) else ""
     if word == "raw":
         raise MapFormatError(
-            f"{path}: mode is raw, which stores costs and not what is free; "
+            f"{path}: mode is raw, which stores costs instead of occupancies; "
             "save the map in the mode trinary or scale"
         )
     if word not in ("trinary", "scale"):
-        raise MapFormatError(f"{path}: mode is {shown(mode)}; it is trinary or scale")
+        raise MapFormatError(f"{path}: mode is {shown(mode)}; it must be trinary or scale")
     return word
 
 
@@ -221,14 +221,14 @@ def _number(path: Path, entries: dict[object, object], key: str) -> float:
 
 def _finite(path: Path, place: str, value: object) -> float:
     number = math.nan
-    # YAML 1.1 takes 5e-2 for text.
+    # YAML 1.1 reads 5e-2 as text.
     if isinstance(value, int | float | str) and not isinstance(value, bool):
         try:
             number = float(value)
         except (ValueError, OverflowError):
             number = math.nan
     if not math.isfinite(number):
-        raise MapFormatError(f"{path}: {place} is {shown(value)}; it is a finite number")
+        raise MapFormatError(f"{path}: {place} is {shown(value)}; it must be a finite number")
     return number
 
 

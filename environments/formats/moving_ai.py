@@ -43,20 +43,20 @@ def read_moving_ai(
     resolution_m : float
         Side of a cell in metres. The format does not contain it; there is no default.
     threshold
-        Refused: a cell is free or not.
+        Rejected: a cell is free or not.
     name : str, optional
         By default the file's name without suffix.
 
     Raises
     ------
     MapFormatError
-        If the header is wrong, a line has another length, a character has no meaning, or no
-        cell is free.
+        If the header is wrong, a line has another length, a character is unknown, or no cell is
+        free.
 
     Notes
     -----
     Source: N. Sturtevant, Benchmarks for grid-based pathfinding, 2012; differs in: swamp, which
-    the game enters only from swamp or ground, is ground. A scenario of the benchmark
+    in the game is entered only from swamp or ground, counts as ground. A scenario of the benchmark
     (`moving_ai_scenario`) adds suggested starts to its map.
     """
     refuse_threshold(path, threshold)
@@ -71,7 +71,7 @@ def read_moving_ai(
 
 
 def read_cells(path: Path) -> BoolArray:
-    """Return the mask of the free cells of a ``.map`` grid, first line first.
+    """Return the mask of the free cells of a ``.map`` grid, ``(rows, columns)`` from the top.
 
     Raises
     ------
@@ -85,7 +85,7 @@ def read_cells(path: Path) -> BoolArray:
         raise MapFormatError(f"{path} ends after {len(rows)} of {height} lines of cells")
     for number, row in enumerate(rows, start=5):
         if len(row) != width:
-            raise MapFormatError(f"{path}, line {number} has {len(row)} cells and not {width}")
+            raise MapFormatError(f"{path}, line {number} has {len(row)} cells, not {width}")
     cells = np.frombuffer("".join(rows).encode("utf-32-le"), np.uint32).reshape(height, width)
     free: BoolArray = np.isin(cells, [ord(sign) for sign in FREE])
     strange = np.argwhere(~free & ~np.isin(cells, [ord(sign) for sign in BLOCKED]))
@@ -93,7 +93,7 @@ def read_cells(path: Path) -> BoolArray:
         row, column = strange[0]
         raise MapFormatError(
             f"{path}, line {row + 5}, column {column + 1} is {rows[row][column]!r}; "
-            f"cells are one of {FREE}{BLOCKED}"
+            f"cells must be one of {FREE}{BLOCKED}"
         )
     if not free.any():
         raise MapFormatError(f"{path} has no free cell: none of {FREE}")
@@ -115,7 +115,7 @@ def _header(path: Path, lines: list[str]) -> tuple[int, int]:
             if not (text.isascii() and text.isdigit() and int(text[:9]) > 0 and len(text) < 9):
                 raise MapFormatError(
                     f"{path}, line {number} is {shown(lines[number - 1])}; "
-                    f"{word} is a positive whole number"
+                    f"{word} must be a positive whole number"
                 )
             sizes.append(int(text))
     height, width = sizes

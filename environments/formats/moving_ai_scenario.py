@@ -1,4 +1,4 @@
-"""Scenarios of the MovingAI benchmarks: start positions on a grid map."""
+"""Scenarios of the MovingAI benchmarks: start positions on a grid."""
 
 import re
 from dataclasses import dataclass
@@ -37,17 +37,17 @@ def read_moving_ai_scenario(
     threshold: float | None = None,
     name: str | None = None,
 ) -> Environment:
-    r"""Read a ``.scen`` file: the grid map that it names, with its starts as suggested ones.
+    r"""Read a ``.scen`` file: the grid that it names, with its starts as suggested starts.
 
-    The starts are the centres of the cells in which the problems of the scenario start, in its
-    order, each once, at most a thousand. Goals are not used.
+    Suggested starts are the centres of the cells in which the problems of the scenario start, in
+    its order, each once, at most 1000. Goals are not used.
 
     Parameters
     ----------
     path : Path
-        A line ``version 1``, then a line for each problem. The map is looked for by the path
-        that the lines give, relative to the folder of the scenario, and else by its name beside
-        the scenario.
+        A line ``version 1``, then a line for each problem. The lines name the map by a path
+        relative to the folder of the scenario; failing that, a map of that name beside the
+        scenario is used.
     resolution_m : float
         Side of a cell of the map in metres; see `read_moving_ai`.
     threshold
@@ -59,14 +59,14 @@ def read_moving_ai_scenario(
     ------
     MapFormatError
         If the version is another one, a line has other fields, the map is missing, outside the
-        folder or not readable, lines name several maps, or a start is not in a free cell.
+        folder or unreadable, lines name several maps, or a start is not in a free cell.
 
     Notes
     -----
     Source: N. Sturtevant, Benchmarks for grid-based pathfinding, 2012, and the page on file
-    formats of the benchmarks. Where the width and height of a line are not those of the map, its
-    positions count in a grid of that size over the map, and a start is the cell of the map in
-    which the centre of its cell lies.
+    formats of the benchmarks. If the width and height of a line are not those of the map, its
+    positions refer to a grid of that size over the map, and a start is the cell of the map that
+    contains the centre of its cell.
 
     Examples
     --------
@@ -113,7 +113,7 @@ def _problems(path: Path) -> list[_Problem]:
     if len(version) != 2 or version[0].lower() != "version" or version[1] not in VERSIONS:
         raise MapFormatError(
             f"{path}, line 1 is {shown(lines[0] if lines else '')}; "
-            "scenarios are read in version 1, whose first line is version 1"
+            "only version 1 is read, whose first line is version 1"
         )
     problems = [
         _problem(f"{path}, line {number}", line)
@@ -121,12 +121,12 @@ def _problems(path: Path) -> list[_Problem]:
         if line.strip()
     ]
     if not problems:
-        raise MapFormatError(f"{path} has no problem, and so no map; add a line {FIELDS}")
+        raise MapFormatError(f"{path} has no problem that names a map; add a line {FIELDS}")
     for problem in problems:
         if problem.map != problems[0].map:
             raise MapFormatError(
-                f"{problem.place} names the map {shown(problem.map)}, and line 2 "
-                f"{shown(problems[0].map)}; keep the problems of one map in a file"
+                f"{problem.place} names the map {shown(problem.map)}, and an earlier line "
+                f"{shown(problems[0].map)}; keep the problems of each map in a file of its own"
             )
     return problems
 

@@ -1,4 +1,4 @@
-"""Team files of the simulator MRESim: where robots start in an image."""
+"""Team files of the simulator MRESim: the pixels of an image in which robots start."""
 
 import re
 from dataclasses import dataclass
@@ -32,7 +32,7 @@ _ROBOT = re.compile(
 
 @dataclass(frozen=True, slots=True)
 class TeamMember:
-    """A robot of a team file that moves.
+    """A moving robot of a team file.
 
     Attributes
     ----------
@@ -51,13 +51,13 @@ class TeamMember:
 
 
 def read_team(path: Path) -> tuple[TeamMember, ...]:
-    r"""Return the robots of a team file, in its order, without base stations.
+    r"""Return the robots of a team file in the order of the file, without base stations.
 
     Parameters
     ----------
     path : Path
-        A line for each robot: number, name, x, y (pixels), heading (rad), range of the sensor and
-        of the radio (pixels), battery, role, and the numbers of its parent and child.
+        One line for each robot: number, name, x, y (pixels), heading (rad), ranges of the sensor
+        and the radio (pixels), battery, role, and the numbers of its parent and child.
 
     Returns
     -------
@@ -72,7 +72,7 @@ def read_team(path: Path) -> tuple[TeamMember, ...]:
     Notes
     -----
     Source: the class RobotTeamConfig of MRESim (J. de Hoog, V. Spirin, University of Oxford).
-    Only positions are used: the simulation has units, sensors and roles of its own.
+    Only the positions are used; MRESim has its own units, sensors and roles.
 
     Examples
     --------
@@ -95,7 +95,7 @@ def read_team(path: Path) -> tuple[TeamMember, ...]:
         if found["role"] != BASE_STATION:
             members.append(TeamMember(number, found["name"], int(found["x"]), int(found["y"])))
     if not members:
-        raise MapFormatError(f"{path} has no robot that moves: no Relay and no Explorer")
+        raise MapFormatError(f"{path} has no robot that moves (Relay or Explorer)")
     return tuple(members)
 
 
@@ -155,5 +155,5 @@ def refuse_team_alone(path: Path) -> MapFormatError:
     """Return the error of a team file that is read as a map."""
     return MapFormatError(
         f"{path} is a team file of MRESim, which has robots and no map: read the image of its "
-        "environment, with --starts-from and this file (starts_from)"
+        "environment, and give this file with --starts-from (starts_from)"
     )

@@ -1,4 +1,4 @@
-"""Arrays of numpy as maps: occupancy grids and grey images in ``.npy`` files."""
+"""Numpy arrays as maps: occupancy grids and grey images in ``.npy`` files."""
 
 import math
 import warnings
@@ -25,7 +25,7 @@ from multisrt.geometry.errors import MapFormatError
 from multisrt.geometry.numerics.kernel import BoolArray
 
 FREE_OCCUPANCY: Final = 0.25
-"""Largest occupancy of a free cell: the ``free`` threshold with which ROS saves maps."""
+"""Maximum occupancy of a free cell: the ``free`` threshold with which ROS saves maps."""
 
 MAX_HEADER_BYTES: Final = 10_000
 """Upper bound of the length of the header, which is a Python literal."""
@@ -42,11 +42,11 @@ def read_numpy_array(
 ) -> Environment:
     """Read a grid from a ``.npy`` file, whose first row is at the top.
 
-    The type of the numbers says what they mean:
+    The data type determines the meaning of the numbers:
 
     ===================  =========================================================
     bool                 occupancy: True is occupied, False is free
-    int8, int16 or more  occupancy of a ROS ``OccupancyGrid``: 0 to 100, or -1 for
+    int8 or wider        occupancy of a ROS ``OccupancyGrid``: 0 to 100, or -1 for
                          the unknown; free up to 25
     float                probability of occupancy, 0 to 1, or NaN for the unknown;
                          free up to 0.25
@@ -57,12 +57,12 @@ def read_numpy_array(
     ----------
     path : Path
         A two-dimensional array as `numpy.save` writes it, of at most 64 million cells. The first
-        row is at the top, as an array is printed and as ``imshow`` draws it; the ``data`` of an
-        ``OccupancyGrid`` begin with the lowest row, so save ``numpy.flipud`` of them.
+        row is at the top, as in a printed array and in ``imshow``; the ``data`` of an
+        ``OccupancyGrid`` begin with the lowest row, so save ``numpy.flipud`` of the grid.
     resolution_m : float
         Side of a cell in metres. The format does not contain it; there is no default.
     threshold : float, optional
-        In [0, 1]: lightness above which a cell is free; only for uint8.
+        Lightness in [0, 1] above which a cell is free; only for uint8.
     name : str, optional
         By default the file's name without suffix.
 
@@ -112,7 +112,7 @@ def read_numpy_array(
 
 
 def _mapped(path: Path) -> NDArray[Any]:
-    """Return the array of a file, mapped into memory once its header is found to be sound."""
+    """Return the array of a file, mapped into memory after its header has been checked."""
     size = require_file(path)
     try:
         with path.open("rb") as file:
@@ -123,13 +123,13 @@ def _mapped(path: Path) -> NDArray[Any]:
     if not (dtype.kind in "bif" or dtype == np.uint8):
         raise MapFormatError(
             f"{path} has numbers of type {_type_name(dtype)}; a map has bool, uint8, int8 (or "
-            "longer) or float: convert it with astype"
+            "wider) or float: convert it with astype"
         )
     if len(shape) != 2:
         raise MapFormatError(f"{path} has the shape {shape}; a grid has rows and columns")
     cells = math.prod(shape)
     if cells == 0:
-        raise MapFormatError(f"{path} has the shape {shape}, which has no cell")
+        raise MapFormatError(f"{path} has the shape {shape}, which has no cells")
     if cells > MAX_CELLS:
         raise MapFormatError(
             f"{path} has {shape[0]} x {shape[1]} cells; grids are read up to {MAX_CELLS:,} cells"
@@ -150,7 +150,7 @@ def _mapped(path: Path) -> NDArray[Any]:
 
 
 def _header(path: Path, file: Any) -> tuple[tuple[int, ...], bool, np.dtype[Any]]:
-    """Return shape, whether columns come first, and type; the file is then at the numbers."""
+    """Return shape, whether columns come first, and type; leave the file at the numbers."""
     if file.read(len(MAGIC)) != MAGIC:
         raise MapFormatError(f"{path} is not a .npy file; write it with numpy.save")
     version = tuple(file.read(2))
@@ -186,16 +186,16 @@ def _type_name(dtype: np.dtype[Any]) -> str:
 
 
 def _require_grey(path: Path, array: NDArray[np.uint8]) -> None:
-    """Reject uint8 numbers that look like occupancies, whose order is the reverse of grey."""
+    """Reject uint8 numbers that look like occupancies, which are high where grey is low."""
     used = np.zeros(256, np.bool_)
-    for row in array:  # by rows: what is mapped is not copied
+    for row in array:  # by rows, so that the mapped array is not copied
         used[row] = True
     greatest = int(np.flatnonzero(used)[-1])
     is_ros = used[100] and used[255] and not used[101:255].any()
     if greatest <= 100 or is_ros:
         found = "0 to 100 and 255" if is_ros else f"up to {greatest}"
         raise MapFormatError(
-            f"{path} has uint8 numbers {found}, which may be occupancies or grey values; save "
+            f"{path} has uint8 numbers {found}, which may be occupancies or grey values: save "
             "occupancies as int8 (0 to 100, -1 unknown) or bool (True occupied), and grey values "
             "up to 255"
         )
@@ -204,12 +204,12 @@ def _require_grey(path: Path, array: NDArray[np.uint8]) -> None:
 def _free_cells(path: Path, array: NDArray[Any]) -> BoolArray:
     free = np.empty(array.shape, np.bool_)
     if array.dtype.kind == "b":
-        # The bytes of a stranger's bool may be other than 0 and 1.
+        # In a file from elsewhere, bytes of bools may be other than 0 and 1.
         np.equal(array.view(np.uint8), 0, out=free)
         return free
     is_whole = array.dtype.kind == "i"
     least, full = (-1, 100) if is_whole else (0, 1)
-    for row, line in enumerate(array):  # by rows: comparisons need memory of their own
+    for row, line in enumerate(array):  # by rows, since comparisons allocate memory
         strange = np.flatnonzero((line < least) | (line > full))
         if strange.size:
             unknown = "-1" if is_whole else "NaN"

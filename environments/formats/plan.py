@@ -1,4 +1,4 @@
-"""What the parts of a drawn plan mean, by the names of layers: free space, walls, starts."""
+"""Roles of the parts of a drawn plan by the names of layers: free space, walls, starts."""
 
 import re
 from collections.abc import Iterable
@@ -7,25 +7,25 @@ from typing import Final
 
 
 class Role(Enum):
-    """What a part of a plan is."""
+    """Role of a part of a plan."""
 
     FREE = "free"
-    """Its area is free space, or the outline of it."""
+    """Its area, or the area inside its outline, is free space."""
 
     WALL = "wall"
-    """What is drawn of it is occupied: areas that are filled, and lines."""
+    """Its filled areas and its lines, with their thickness, are occupied."""
 
     OBSTACLE = "obstacle"
-    """Its area is occupied, filled or not."""
+    """Its area is occupied, whether filled or not."""
 
     DOOR = "door"
-    """What is drawn of it is an opening in walls."""
+    """Its areas are openings in walls."""
 
     START = "start"
     """Its centre is a suggested start."""
 
 
-# In the order in which they count: a "wall door" is a door, an "obstacle outline" an obstacle.
+# In order of precedence: a "wall door" is a door, an "obstacle outline" an obstacle.
 WORDS: Final = {
     Role.DOOR: ("door", "doors", "doorway", "doorways", "opening", "openings"),
     Role.OBSTACLE: (
@@ -45,7 +45,7 @@ WORDS: Final = {
     Role.START: ("start", "starts"),
     Role.FREE: ("free", "outline", "outlines"),
 }
-"""The words in names by which parts have roles."""
+"""The words in names that give parts their roles."""
 
 _ROLES: Final = {word: role for role, words in WORDS.items() for word in words}
 _WORD: Final = re.compile(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])")
@@ -57,8 +57,8 @@ def role_of(names: Iterable[str]) -> Role | None:
     Parameters
     ----------
     names : iterable of str
-        Names of the part: label, class, identifier or layer. Upper and lower case are the same,
-        and words may be joined by capitals, digits and signs.
+        Names of the part: label, class, identifier or layer. Upper and lower case are the same;
+        capitals, digits and punctuation separate words.
 
     Returns
     -------
@@ -89,8 +89,8 @@ def role_within(names: Iterable[str], around: Role | None) -> Role | None:
     Returns
     -------
     Role or None
-        That of the part, or else of the group. What is free or an outline within another role is
-        the outline of that: of a piece of furniture, for instance.
+        That of the part, or else of the group. Within a group that has a role, ``free`` and
+        ``outline`` mean the outline of that object, for instance of a piece of furniture.
 
     Examples
     --------
@@ -104,5 +104,5 @@ def role_within(names: Iterable[str], around: Role | None) -> Role | None:
 
 
 def role_names() -> str:
-    """Return the words of roles of areas and walls, for messages."""
+    """Return the words that name walls, obstacles and free space, for messages."""
     return ", ".join(WORDS[role][0] for role in (Role.WALL, Role.OBSTACLE, Role.FREE))

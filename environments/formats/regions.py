@@ -1,4 +1,4 @@
-"""Areas of drawn rings and lines, at a cost that is bounded before they are computed."""
+"""Areas of drawn rings and lines; the cost of overlays is bounded before they are computed."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ MAX_WINDINGS: Final = 300_000_000
 """Upper bound of the product of faces and edges of one shape."""
 
 PIECE_POINTS: Final = 100
-"""Number of points of the pieces in which long lines are stroked."""
+"""Number of points of the pieces into which long lines are cut for stroking."""
 
 FillRule = Literal["nonzero", "evenodd"]
 
@@ -83,12 +83,12 @@ class EdgePairs(NamedTuple):
 
     @property
     def are_too_many(self) -> bool:
-        """Whether an overlay would have no bound."""
+        """Whether a number exceeds its bound in `MAX_PAIRS`."""
         return any(count > bound for count, bound in zip(self, MAX_PAIRS, strict=True))
 
 
 MAX_PAIRS: Final = EdgePairs(MAX_COMPARED, MAX_NEAR, MAX_CROSSINGS)
-"""The upper bounds of each."""
+"""Upper bounds of the numbers."""
 
 
 def require_few_crossings(
@@ -98,7 +98,7 @@ def require_few_crossings(
     *,
     max_points: int = MAX_POINTS,
 ) -> None:
-    """Reject drawings whose edges cross so often that overlays of them have no bound.
+    """Reject drawings whose edges cross so often that overlays would take too long.
 
     Parameters
     ----------
@@ -122,7 +122,7 @@ def require_few_crossings(
 
 
 def require_few_overlaps(path: Path, polygons: Sequence[BaseGeometry]) -> None:
-    """Reject polygons of a map whose union, difference or repair has no bound.
+    """Reject polygons of a map whose union, difference or repair would take too long.
 
     Parameters
     ----------
@@ -142,7 +142,7 @@ def require_few_overlaps(path: Path, polygons: Sequence[BaseGeometry]) -> None:
         return
     boxes = shapely.bounds(shapes)
     if _overlap_too_often(boxes[np.argsort(boxes[:, 0])], MAX_COMPARED, MAX_OVERLAPS):
-        raise MapFormatError(f"{path}: its polygons overlap too often; unite those that do")
+        raise MapFormatError(f"{path}: its polygons overlap too often; unite overlapping polygons")
     require_few_crossings(path, polygons, max_points=MAX_MAP_POINTS)
 
 
@@ -154,9 +154,9 @@ def too_many_crossings(path: Path) -> MapFormatError:
 
 
 def count_pairs(edges: FloatArray) -> EdgePairs:
-    """Return how many pairs of edges an overlay has to do with.
+    """Return the numbers of pairs of edges that an overlay has to treat.
 
-    Counting ends soon after a bound is exceeded.
+    Counting stops soon after a bound of `MAX_PAIRS` is exceeded.
 
     Parameters
     ----------
@@ -171,7 +171,7 @@ def count_pairs(edges: FloatArray) -> EdgePairs:
     """
     low, high = np.minimum(edges[:, :2], edges[:, 2:]), np.maximum(edges[:, :2], edges[:, 2:])
     extent = high.max(axis=0, initial=-np.inf) - low.min(axis=0, initial=np.inf)
-    # Along the axis of which edges cover less, fewer pairs overlap.
+    # Sort along the axis on which edges extend less: fewer pairs overlap there.
     cover = (high - low).mean(axis=0) / np.maximum(extent, 1e-9) if len(edges) else extent
     if cover[1] < cover[0]:
         edges = edges[:, [1, 0, 3, 2]]
@@ -182,8 +182,8 @@ def count_pairs(edges: FloatArray) -> EdgePairs:
 def opened(walls: BaseGeometry, openings: BaseGeometry) -> BaseGeometry:
     """Return walls without the openings in them.
 
-    Openings that end where a wall does leave no film of it, whose thickness would be that of the
-    rounding of coordinates: they are taken half a millimetre larger.
+    Openings are dilated by half a millimetre, so that one that ends at the face of a wall leaves
+    no film of wall as thin as the rounding of coordinates.
 
     Parameters
     ----------
@@ -232,7 +232,7 @@ def stroked(points: FloatArray, closed: bool, radius: float, pen: Pen) -> BaseGe
     Parameters
     ----------
     points : float array, shape (n, 2)
-        The line; the same point again and again is a dot.
+        The line; a line of equal points is a dot.
     closed : bool
         Whether the last point is joined to the first.
     radius : float
@@ -255,8 +255,8 @@ def stroked(points: FloatArray, closed: bool, radius: float, pen: Pen) -> BaseGe
         else:
             line = shapely.LineString(points if len(points) > 1 else np.vstack([points, points]))
         return shapely.buffer(line, radius, **style)
-    # The buffer of a long line takes quadratic time. Pieces have a segment in common, so that
-    # each join is within one of them, and end bluntly; the caps are added.
+    # The buffer of a long line takes quadratic time. Consecutive pieces share a segment, so that
+    # each join is within one of them, and have flat caps; the caps of the line are added.
     line_points = np.vstack([points, points[:2]]) if closed else points
     pieces = [
         shapely.LineString(line_points[first : first + PIECE_POINTS])
@@ -287,7 +287,7 @@ def edges_of(geometries: Sequence[BaseGeometry]) -> FloatArray:
     Parameters
     ----------
     geometries : sequence of geometries
-        Lines and polygons, also several in one.
+        Lines and polygons, single or in collections.
 
     Examples
     --------
@@ -325,8 +325,8 @@ def filled(path: Path, rings: Sequence[FloatArray], rule: FillRule) -> BaseGeome
     rings : sequence of float arrays, shape (n, 2)
         Points of each ring; the last is joined to the first.
     rule : {"nonzero", "evenodd"}
-        Which points are inside: those that the rings wind around, or those around which they wind
-        an odd number of times.
+        Which points are inside: those with a winding number other than zero, or those with an odd
+        one.
 
     Returns
     -------
@@ -375,9 +375,9 @@ def filled(path: Path, rings: Sequence[FloatArray], rule: FillRule) -> BaseGeome
 def _count_pairs(
     edges: FloatArray, max_compared: int, max_near: int, max_crossing: int
 ) -> tuple[int, int, int]:
-    """Return the numbers of `EdgePairs`, until one is larger than allowed.
+    """Return the numbers of `EdgePairs`, stopping after one exceeds its bound.
 
-    The edges x0, y0, x1, y1 are in the order of their smaller x.
+    The edges x0, y0, x1, y1 are sorted by their smaller x.
     """
     compared = near = crossing = 0
     for i in range(len(edges)):
@@ -425,7 +425,7 @@ def _count_pairs(
 def _overlap_too_often(boxes: FloatArray, max_compared: int, max_overlaps: int) -> bool:
     """Return whether more pairs of boxes meet, or have to be compared, than is allowed.
 
-    The boxes x0, y0, x1, y1 are in the order of x0.
+    The boxes x0, y0, x1, y1 are sorted by x0.
     """
     compared = overlaps = 0
     for i in range(len(boxes)):

@@ -1,4 +1,4 @@
-"""Worlds of the simulator Player/Stage: floorplans and other models that are placed in metres."""
+"""Worlds of the simulator Player/Stage: floorplans and other models, placed in metres."""
 
 import math
 import re
@@ -77,19 +77,18 @@ def read_stage(
       of the model, ``origin`` the pose of the rectangle relative to it. ``boundary`` adds walls of
       1 cm along its inside.
     - Models without a bitmap are obstacles: their ``block`` polygons or else a box, stretched to
-      ``size``. Models that neither robots nor range finders meet (``obstacle_return 0`` with a
+      ``size``. Models that neither robots nor range finders detect (``obstacle_return 0`` with a
       negative ``ranger_return``, or ``laser_return 0``) are left out.
     - Free space is the union of the rectangles of all floorplans, without all obstacles. In a
-      bitmap of outlines the inside of a block is free space too, as a component of its own that
-      no robot outside it reaches.
+      bitmap of outlines the inside of a block is free space too, as a separate component that no
+      robot outside it reaches.
     - Models of the type ``position`` are robots. So are models without a bitmap but with a pose
       whose type is not known, because robots are usually defined in files that come with Stage
-      and lie elsewhere. Their positions are the suggested starts, in the order of the file, as
-      far as they are in free space; their headings are not used.
+      and are stored elsewhere. Their positions are the suggested starts, in the order of the
+      file, if they are in free space; their headings are not used.
 
-    An included file that does not exist is no error as long as a floorplan is found without it:
-    worlds are often passed on without the definitions of their robots. ``origin`` of the world
-    names it.
+    A missing include is no error if there is a floorplan without it, since worlds are often passed
+    on without the definitions of their robots. `Environment.origin` names it.
 
     Parameters
     ----------
@@ -109,8 +108,8 @@ def read_stage(
     Notes
     -----
     Source: Stage 4 (classes Model, BlockGroup and Worldfile, function polys_from_image_file).
-    Differs in: heights are ignored, so that a model is an obstacle however high or low it is;
-    what is outside all floorplans is not free; ``pose`` and ``size`` may also lack z, as in Stage
+    Differs in: heights are ignored, so that every model is an obstacle, whatever its height;
+    space outside all floorplans is not free; ``pose`` and ``size`` may also lack z, as in Stage
     2 (x, y, heading and x, y); an unknown unit is an error.
 
     Examples
@@ -232,7 +231,7 @@ def _choice(entity: Entity, key: str, choices: dict[str, float], default: str) -
     word = default if found is None else found.values[0] if len(found.values) == 1 else ""
     if word not in choices:
         place = "" if found is None else found.place
-        raise MapFormatError(f"{place}: {key} is one of {', '.join(choices)}, in quotes")
+        raise MapFormatError(f"{place}: {key} must be one of {', '.join(choices)}, in quotes")
     return choices[str(word)]
 
 
@@ -244,7 +243,7 @@ def _numbers(
         return None
     numbers = tuple(value for value in found.values if isinstance(value, float))
     if len(numbers) != len(found.values) or len(numbers) not in lengths:
-        raise MapFormatError(f"{found.place}: {key} is a tuple of numbers {form}")
+        raise MapFormatError(f"{found.place}: {key} must be a tuple of numbers {form}")
     return numbers
 
 
@@ -276,7 +275,7 @@ class _Floorplan:
 
 @dataclass(slots=True)
 class _World:
-    """What has been read of a world: floorplans, other obstacles and robots."""
+    """Content of a world read so far: floorplans, other obstacles and robots."""
 
     path: Path
     units: _Units
@@ -353,7 +352,7 @@ class _World:
         found = entity.properties["bitmap"]
         file = found.values[0] if len(found.values) == 1 else None
         if not isinstance(file, str) or not file:
-            raise MapFormatError(f"{found.place}: bitmap is the name of an image in quotes")
+            raise MapFormatError(f"{found.place}: bitmap must be the name of an image in quotes")
         if file not in self.bitmaps:
             if len(self.bitmaps) == MAX_BITMAPS:
                 raise MapFormatError(
@@ -379,7 +378,7 @@ class _World:
         free = first > FREE_SHARE * pixels.full
         rows, columns = np.flatnonzero(~free.all(axis=1)), np.flatnonzero(~free.all(axis=0))
         if rows.size:
-            # Only dark pixels are stretched; the light margin around them is no part of the model.
+            # The light margin around the dark pixels is not part of the model.
             free = free[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
         height, width = free.shape
         polygons = grid_polygons(image, free, 1.0)
@@ -392,7 +391,7 @@ def _stretched(shape: BaseGeometry, width: float, height: float) -> BaseGeometry
 
 
 def _is_solid(entity: Entity) -> bool:
-    """Return whether robots or range finders meet a model."""
+    """Return whether robots or range finders detect a model."""
     if _number(entity, "obstacle_return", 1.0) != 0:
         return True
     if "ranger_return" in entity.properties:

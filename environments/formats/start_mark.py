@@ -1,4 +1,4 @@
-"""Marked starts in images: a small square of a level of its own inside free space."""
+"""Marked starts in images: a small square in free space, of a level used nowhere else."""
 
 from typing import Final
 
@@ -20,13 +20,13 @@ MAX_LEVELS: Final = 8
 def marked_starts(
     levels: NDArray[np.uint32], free: BoolArray, resolution_m: float
 ) -> tuple[tuple[float, float], ...]:
-    """Return the middle of the square that marks the start in an image, if there is one.
+    """Return the centre of the square that marks the start in an image, if there is one.
 
-    A mark is a square of free pixels, `MIN_SIDE` to `MAX_SHARE` of the image in size, that are
-    the only ones of their level, in an image of at most `MAX_LEVELS` levels. It does not touch
-    the image's edge, and more than half of the pixels around it are free and of one level, which
-    is more frequent than the mark's; the others are not free, as where it touches a wall. There
-    is no start if several squares satisfy this.
+    A mark is a square of all pixels of one level, which are free, in an image of at most
+    `MAX_LEVELS` levels. Its side is at least `MIN_SIDE` and its area at most `MAX_SHARE` of the
+    image. It does not touch the border of the image. More than half of the pixels around it are
+    free and of one level, which is more frequent than the mark's; the others are not free, as
+    where it touches a wall. There is no start if several squares satisfy this.
 
     Parameters
     ----------
@@ -40,7 +40,7 @@ def marked_starts(
     Returns
     -------
     tuple of (float, float)
-        The middle of the mark in metres from the lower left corner of the image, y up; empty if
+        The centre of the mark in metres from the lower left corner of the image, y up; empty if
         there is no mark.
 
     Notes
@@ -66,7 +66,7 @@ def marked_starts(
 
 
 def _few_values(levels: NDArray[np.uint32]) -> list[int]:
-    # Row by row, so that a photograph is given up early: it has no mark.
+    # Row by row, to stop early at a photograph, which has no mark.
     values: set[int] = set()
     for row in levels:
         values.update(np.unique(row).tolist())
@@ -76,7 +76,7 @@ def _few_values(levels: NDArray[np.uint32]) -> list[int]:
 
 
 def _mark(levels: NDArray[np.uint32], free: BoolArray, value: int) -> tuple[float, float] | None:
-    # Column and row of the middle, from the upper left corner, of the mark with a level.
+    # Column and row of the centre of the mark of a level, from the upper left corner.
     mask = levels == value
     rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
     top, left, side = int(rows[0]), int(columns[0]), len(rows)

@@ -1,4 +1,4 @@
-"""Polygons of few vertices in place of rings along the borders of cells.
+"""Replacement of rings along the borders of cells by polygons of few vertices.
 
 A ring consists of runs, straight pieces between turns. Where it passes between two cells there
 is a window: the line between their centres, cut to the tolerance around the border. A segment
@@ -7,10 +7,11 @@ Between two windows it then stays in the square of four cell centres to which th
 other ring enters that square, except at a pinch, where the windows' ends keep both apart.
 
 Vertices are chosen among the turns and the middles of the runs; at a pinch the turn's place is
-taken by the two ends of a cut. The polygon is a shortest path over these candidates that costs
-one for each vertex and a price for the area between polygon and ring, in the manner of the
-optimal polygons of potrace. Vertices anywhere in the windows would be fewer, by up to a half on
-curved outlines, but lean straight walls and misplace several times the area.
+taken by the two ends of a cut. The polygon is a shortest path over these candidates, with a cost
+of one for each vertex and a price for the area between polygon and ring, similar to the optimal
+polygons of potrace. With vertices anywhere in the windows, polygons would have fewer of them, by
+up to a half on curved outlines, but straight walls would be tilted and several times the area
+misplaced.
 
 Source: P. Selinger, Potrace: a polygon-based tracing algorithm, 2003, section 2.2; differs in:
 windows with a tolerance in place of the maximum distance, which keeps the topology; candidates
@@ -64,7 +65,7 @@ def straighten_rings(
         first, last = ring_starts[ring], ring_starts[ring + 1]
         corners = turns[first:last]
         places, run_of, is_middle, swept = _candidates(corners, pinched[first:last])
-        # A path's start is a vertex for no merit of its own: start again from a chosen one.
+        # The start of a path is always a vertex, whatever its cost: repeat from a chosen one.
         chosen = _cheapest_polygon(corners, places, run_of, is_middle, swept, 0, tolerance)
         start = chosen[len(chosen) // 2]
         chosen = _cheapest_polygon(corners, places, run_of, is_middle, swept, start, tolerance)

@@ -22,7 +22,7 @@ from multisrt.environments.formats.regions import require_few_overlaps
 from multisrt.geometry.errors import MapFormatError
 
 MAX_DEPTH = 16
-"""Upper bound of nested parentheses, as the parser recurses without a bound."""
+"""Upper bound of nested parentheses, since the parser recurses without bound."""
 
 
 def read_wkt(
@@ -38,10 +38,10 @@ def read_wkt(
     Parameters
     ----------
     path : Path
-        One geometry, over as many lines as it likes; at most 64 MiB. Third coordinates are
-        ignored. Polygons are united; holes are obstacles.
+        One geometry, over any number of lines; at most 64 MiB. Third coordinates are ignored.
+        Polygons are united; holes are obstacles.
     resolution_m, threshold
-        Refused: the file is in metres and is not an image.
+        Rejected: the file is in metres and not an image.
     name : str, optional
         By default the file's name without suffix.
     repair : bool, optional
@@ -78,7 +78,7 @@ def _parsed(path: Path, *, repair: bool) -> tuple[BaseGeometry, Cleaning]:
             f"{path}: parentheses are nested more than {MAX_DEPTH} deep; flatten the collection"
         )
     try:
-        # What is not finite is refused where it stands.
+        # Coordinates that are not finite are refused later, with their position.
         with np.errstate(invalid="ignore", over="ignore"):
             geometry = shapely.from_wkt(text, on_invalid="fix" if repair else "raise")
             flat = shapely.force_2d(geometry)
@@ -87,8 +87,8 @@ def _parsed(path: Path, *, repair: bool) -> tuple[BaseGeometry, Cleaning]:
             str(error).removeprefix("ParseException: ").removeprefix("IllegalArgumentException: ")
         )
         raise MapFormatError(
-            f"{path} is not well-known text: {reason}; it is POLYGON ((x y, x y, ...), ...), "
-            f"MULTIPOLYGON or GEOMETRYCOLLECTION, with every ring closed; of open rings {FIXING}"
+            f"{path} is not well-known text: {reason}; it must be POLYGON ((x y, x y, ...), ...), "
+            f"MULTIPOLYGON or GEOMETRYCOLLECTION, with every ring closed; for open rings, {FIXING}"
         ) from error
     return flat, Cleaning(closed_rings=_open_rings(text) if repair else 0)
 

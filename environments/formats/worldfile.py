@@ -23,7 +23,7 @@ MAX_TOKENS: Final = 500_000
 """Upper bound of the tokens of a world and of all files that it includes."""
 
 MAX_NESTING: Final = 32
-"""Upper bound of the entities that contain each other in a chain, and of macros of macros."""
+"""Upper bound of the nesting of entities, and of macros defined by macros."""
 
 MAX_ITEMS: Final = 200_000
 """Upper bound of the properties and entities of a world, with all macros expanded."""
@@ -61,7 +61,7 @@ class Entity:
     place : str
         File and line, for messages.
     properties : dict of str to Property
-        Its properties, those of the macros first; the last one of a name counts.
+        Its properties, those of the macros first; of several of one name, the last counts.
     children : list of Entity
         The entities in it, in the order of the file.
     """
@@ -100,19 +100,19 @@ def parse_worldfile(path: Path) -> Worldfile:
     Parameters
     ----------
     path : Path
-        The world file. All files that it includes, also indirectly, are named relative to its
-        folder and must be in it.
+        The world file. All files that it includes, directly or indirectly, are named relative to
+        its folder and must be in it or below it.
 
     Returns
     -------
     Worldfile
-        Its entities. The first one of several macros of a name counts.
+        Its entities. Of several macros of one name, the first counts.
 
     Raises
     ------
     MapFormatError
-        If the syntax is wrong, files include each other in a circle, a macro is defined by
-        itself, a name leads out of the folder, or a bound of this module is exceeded.
+        If the syntax is wrong, files include each other in a circle, a macro is defined in terms
+        of itself, a name leads out of the folder, or a bound of this module is exceeded.
 
     Notes
     -----
@@ -173,7 +173,7 @@ class _Source:
                 if token.kind != "string":
                     raise MapFormatError(
                         f"{token.place}: include is followed by {shown(token.text)}; "
-                        'it is followed by the name of a file, such as "map.inc"'
+                        'it must be followed by the name of a file, such as "map.inc"'
                     )
                 yield from self._included(token, chain)
                 awaits_name = False
@@ -182,7 +182,9 @@ class _Source:
             else:
                 yield token
         if awaits_name:
-            raise MapFormatError(f"{path} ends after include; it is followed by the name of a file")
+            raise MapFormatError(
+                f"{path} ends after include, which must be followed by the name of a file"
+            )
 
     def _of_text(self, path: Path, text: str) -> Iterator[_Token]:
         at, line = 0, 1
@@ -201,7 +203,7 @@ class _Source:
             if self._tokens > MAX_TOKENS:
                 raise MapFormatError(
                     f"{place}: the world has more than {MAX_TOKENS:,} words, with all includes; "
-                    "remove what is no floorplan"
+                    "remove what is not needed for the floorplan"
                 )
             found = match.group()
             yield _Token(kind, found[1:-1] if kind == "string" else found, place)
@@ -230,7 +232,7 @@ def _fault(text: str) -> str:
         return "a string has no closing quote in its line; add it"
     if text[0] in "+-.0123456789":
         return f"{shown(text)} is not a number; write it with a point, such as -0.5"
-    return f"{shown(text)} does not belong into a world file; values are separated by spaces"
+    return f"{shown(text)} does not belong in a world file; values are separated by spaces"
 
 
 # Syntax -------------------------------------------------------------------------------------
@@ -279,7 +281,7 @@ class _Syntax:
                 opened.append(block)
                 if len(opened) > MAX_NESTING:
                     raise MapFormatError(
-                        f"{token.place}: more than {MAX_NESTING} entities contain each other"
+                        f"{token.place}: entities are nested more than {MAX_NESTING} deep"
                     )
             else:
                 items.append((token.text, Property(self._values(token, after), token.place)))
@@ -313,7 +315,7 @@ class _Syntax:
             if token.kind not in ("string", "number"):
                 raise MapFormatError(
                     f"{token.place}: {shown(token.text)} is in the tuple of {name.text}; "
-                    "it is made of numbers and strings"
+                    "it must consist of numbers and strings"
                 )
             values.append(_value(token))
 
@@ -338,7 +340,7 @@ def _value(token: _Token) -> Value:
 
 
 class _Expansion:
-    """Entities of blocks: each has the items of its macros, of the base first, and its own."""
+    """Entities of blocks: each has the items of its macros, the base first, and then its own."""
 
     def __init__(self, macros: dict[str, _Block]) -> None:
         self._macros = macros
@@ -352,16 +354,16 @@ class _Expansion:
     def _entity(self, block: _Block, depth: int) -> Entity:
         if depth > MAX_NESTING:
             raise MapFormatError(
-                f"{block.place}: more than {MAX_NESTING} entities contain each other when macros "
-                "are expanded; does a macro contain itself?"
+                f"{block.place}: entities are nested more than {MAX_NESTING} deep when macros are "
+                "expanded; does a macro contain itself?"
             )
         chain = [block]
         while (macro := self._macros.get(chain[-1].word)) is not None:
             chain.append(macro)
             if len(chain) > MAX_NESTING:
                 raise MapFormatError(
-                    f"{block.place}: {block.word} is defined by itself, or by more than "
-                    f"{MAX_NESTING} macros in a chain"
+                    f"{block.place}: {block.word} is defined by itself, or by a chain of more than "
+                    f"{MAX_NESTING} macros"
                 )
         entity = Entity(chain[-1].word, block.word, block.place)
         for part in reversed(chain):

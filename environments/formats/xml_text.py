@@ -1,4 +1,4 @@
-"""XML from strangers as a tree of bounded size, without entities, declarations and references."""
+"""XML from untrusted sources as a tree of bounded size, without entities and references."""
 
 import re
 from dataclasses import dataclass, field
@@ -53,13 +53,14 @@ def read_xml(path: Path) -> Element:
     Parameters
     ----------
     path : Path
-        A file in UTF-8 of at most 32 MiB, 200,000 elements and a nesting of 100. A document type
-        may be named but not declared; what it names is not opened.
+        A file in UTF-8 of at most 32 MiB and 200,000 elements, nested at most 100 deep. It may
+        name a document type, which is not opened, but not declare one.
 
     Raises
     ------
     MapFormatError
-        If the file is missing, too large, not well-formed, or declares entities or anything else.
+        If the file is missing, too large or not well-formed, or declares entities or anything
+        else.
 
     Examples
     --------
@@ -104,7 +105,7 @@ _ROOT: Final = re.compile(r"<(?:[\w.-]+:)?([\w.-]+)[\s/>]")
 
 
 class _Builder:
-    """Callbacks of a parser that build the tree."""
+    """Parser callbacks that build the tree."""
 
     def __init__(self, path: Path) -> None:
         self.path = path

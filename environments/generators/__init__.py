@@ -2,9 +2,9 @@
 
 Every generator is a function of keyword-only parameters and a ``seed`` that returns an
 :class:`~multisrt.environments.environment.Environment`; equal arguments give equal worlds.
-Free space is one piece for a body a little narrower than the doors or passages, has no gap
-narrower than 0.7 m and no pocket that cannot be reached. A parameter out of its range is an
+Free space is connected for a body a little narrower than the doors or passages, and has no gap
+narrower than 0.7 m and no pocket that cannot be reached. A parameter out of range raises an
 :class:`~multisrt.geometry.errors.InvalidInputError` that names the range.
 
-The names under which experiments ask for them are in :mod:`multisrt.environments.catalog`.
+:mod:`multisrt.environments.catalog` has their names, as used in experiments.
 """

@@ -1,7 +1,7 @@
-"""Free space that is passable as it is drawn, for worlds too large to be cleaned.
+"""Free space of generators whose worlds are passable by construction.
 
-A generator that keeps all obstacles a passage apart, or moves a body's square over a grid, leaves
-neither cracks nor pockets. `passable` would find none, and takes minutes for 10,000 obstacles.
+A generator that keeps all obstacles a passage apart, or moves a square over a grid, leaves neither
+cracks nor pockets. `passable` would find none, but takes minutes for 10,000 obstacles.
 """
 
 from collections.abc import Iterable, Sequence
@@ -18,7 +18,7 @@ from multisrt.geometry.numerics.kernel import FloatArray
 Shape = TypeVar("Shape", bound=BaseGeometry)
 
 DECIMALS = 3
-"""Decimals of coordinates in metres, so that rounding errors of a machine do not show."""
+"""Decimals of coordinates in metres, which hide rounding differences between machines."""
 
 
 def polygon_around(ground: Polygon, obstacles: FloatArray | Iterable[Polygon]) -> Polygon:
@@ -29,12 +29,12 @@ def polygon_around(ground: Polygon, obstacles: FloatArray | Iterable[Polygon]) -
     ground : Polygon
         The outline, in metres.
     obstacles : array, shape (n, corners, 2), or iterable of Polygon
-        Corners of each obstacle in metres, or obstacles, whose own holes count as solid.
+        Corners of each obstacle in metres, or obstacles, whose holes are filled.
 
     Returns
     -------
     Polygon
-        Free space, with coordinates in whole millimetres.
+        Free space, with coordinates rounded to millimetres.
 
     Examples
     --------
@@ -58,7 +58,7 @@ def on_millimetres(shape: Shape) -> Shape:
 def starts_among(
     places: FloatArray, wanted: Sequence[tuple[float, float]]
 ) -> tuple[tuple[float, float], ...]:
-    """Return the places that are nearest to wanted starts.
+    """Return, for each wanted start, the nearest of some places.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def starts_among(
     Returns
     -------
     tuple of (x, y)
-        The starts in the order of `wanted`, without repetitions, in whole millimetres.
+        The starts in the order of `wanted`, without repetitions, rounded to millimetres.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""A cavern, grown by a cellular automaton; `cave` is the name of a bundled map."""
+"""A cavern, grown by a cellular automaton."""
 
 import math
 
@@ -15,7 +15,7 @@ from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.numerics.kernel import BoolArray, FloatArray, IntArray
 
 TOLERANCE_CELLS = 0.25
-"""Displacement of walls that smooths the outline of the cells."""
+"""Maximum displacement of walls by which the outline of the cells is smoothed, in cells."""
 
 ROCK = (0.43, 0.53)
 """Share of rock in the noise that the automaton starts from, at difficulty 0 and 1."""
@@ -25,10 +25,10 @@ MIN_CELLS = 12
 """Minimum number of cells in each row and column."""
 
 MIN_CHAMBER = 24
-"""Places of the body below which a chamber is filled instead of being joined to the others."""
+"""Places of the square below which a chamber is filled instead of being joined to the others."""
 
 MIN_FREE = 0.2
-"""Share of the world that must be free; with less, there is less rock in the noise."""
+"""Minimum share of free places; with fewer, the share of rock in the noise is reduced."""
 
 
 def cavern(
@@ -36,19 +36,20 @@ def cavern(
 ) -> Environment:
     """Draw a cavern: chambers and pillars of no regular shape, joined by narrow tunnels.
 
-    Cells of random rock become a cavern by the majority rule of a cellular automaton. Free space
-    is what a square of two cells covers; chambers between which it cannot move are joined by
-    tunnels of its width. A body of 0.9 passages therefore reaches everything.
+    The majority rule of a cellular automaton turns random cells of rock into a cavern. Free space
+    is what a square of 2 x 2 cells can cover; chambers between which the square cannot move are
+    joined by tunnels of its width. A disc of diameter ``0.9 * passage_m`` therefore reaches
+    everything.
 
-    The name is not ``cave``, which is that of a bundled map.
+    ``cave`` is a bundled map, not this generator.
 
     Parameters
     ----------
     size_m : float
-        Inner width and height, 10 to 1000 m; at most this, in whole cells.
+        Inner width and height, 10 to 1000 m, rounded down to whole cells.
     difficulty : float
-        From 0 to 1: the share of rock grows, from a wide cave with pillars to a labyrinth of
-        small chambers. The length of walls per free area grows with it.
+        From 0 (a wide cave with pillars) to 1 (a labyrinth of small chambers): the share of rock
+        grows, and with it the length of walls per free area.
     passage_m : float
         Width of the narrowest tunnels, 0.8 to 6 m. Chambers and pillars scale with it.
     seed : int
@@ -68,7 +69,7 @@ def cavern(
     -----
     Source: L. Johnson, G. N. Yannakakis and J. Togelius, Cellular automata for real-time
     generation of infinite cave levels, 2010; differs in: one bounded world, chambers joined by a
-    minimum spanning tree of tunnels, and an outline that is straightened as that of a bitmap.
+    minimum spanning tree of tunnels, and an outline that is straightened like that of a bitmap.
 
     Examples
     --------
@@ -112,7 +113,7 @@ def cavern(
 
 
 def _grown(noise: FloatArray, rock: float) -> BoolArray:
-    """Return the cells of rock after all generations; beyond the border everything is rock."""
+    """Return the cells of rock after all generations; everything beyond the border is rock."""
     solid = noise < rock
     for _ in range(GENERATIONS):
         around = ndimage.convolve(
@@ -123,13 +124,13 @@ def _grown(noise: FloatArray, rock: float) -> BoolArray:
 
 
 def _places(free: BoolArray) -> BoolArray:
-    """Return where a square of two by two cells is free, by its lower left cell."""
+    """Return the places of a square of 2 x 2 cells in free cells, by its lower left cell."""
     found: BoolArray = free[:-1, :-1] & free[1:, :-1] & free[:-1, 1:] & free[1:, 1:]
     return found
 
 
 def _covered(places: BoolArray) -> BoolArray:
-    """Return the cells that a square of two by two cells covers at its places."""
+    """Return the cells that a square of 2 x 2 cells covers at its places."""
     rows, columns = places.shape
     free = np.zeros((rows + 1, columns + 1), dtype=np.bool_)
     for row in (0, 1):
@@ -139,7 +140,7 @@ def _covered(places: BoolArray) -> BoolArray:
 
 
 def _joined(solid: BoolArray) -> BoolArray:
-    """Return the places of the square, those of all large chambers joined by tunnels."""
+    """Return the places of the square in large chambers and in the tunnels that join them."""
     places = _places(~solid)
     chambers, count = ndimage.label(places)
     if count == 0:
@@ -155,7 +156,7 @@ def _joined(solid: BoolArray) -> BoolArray:
 
 
 def _dig(places: BoolArray, chambers: IntArray, count: int) -> None:
-    """Join chambers along a minimum spanning tree of the shortest ways through rock."""
+    """Join chambers along a minimum spanning tree of the shortest paths through rock."""
     away, nearest = ndimage.distance_transform_edt(~places, return_indices=True)
     owner = chambers[tuple(nearest)]
     index = np.arange(places.size).reshape(places.shape)

@@ -14,7 +14,7 @@ from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.numerics.kernel import FloatArray
 
 WIDER_M = 8.0
-"""Width that is added to the streets at difficulty 0, in metres."""
+"""Width added to the passage in the streets at difficulty 0, in metres."""
 
 AVENUE = 1.7
 """Width of an avenue, as a multiple of a street's."""
@@ -77,10 +77,10 @@ def city(
 ) -> Environment:
     """Draw a square part of a city.
 
-    The ground is split again and again: by avenues, by streets, and blocks by alleys, so that
-    streets meet at crossings and ends of others. A lot has one building: a box, an L, a T, a cross,
-    a tower, or wings around a court. No alley and no gate is narrower than the passage, so that a
-    body of 0.9 passages reaches everything.
+    The ground is split recursively by avenues and streets, and blocks by alleys, so that streets
+    meet at crossings and T-junctions. Each lot has one building: a box, an L, a T, a cross, a
+    tower, or wings around a court. No alley or gate is narrower than `passage_m`, so that a disc
+    of diameter ``0.9 * passage_m`` reaches everything.
 
     Parameters
     ----------
@@ -205,7 +205,7 @@ def _square(block: _Lot, passage_m: float, rng: np.random.Generator) -> list[Pol
 
 
 def _building(lot: _Lot, passage_m: float, court: bool, rng: np.random.Generator) -> Polygon:
-    """Return a building that fills its lot, with a court if it is wanted and there is room."""
+    """Return a building that fills its lot, with a court if one is wanted and fits."""
     wide, high = lot.width_m, lot.height_m
     wing = max(2.0, 0.22 * min(wide, high))
     if court and min(wide, high) >= max(MIN_COURT_M, 2 * wing + 1.2 * passage_m):
@@ -226,8 +226,8 @@ def _regular(x: float, y: float, radius: float, turns: FloatArray) -> Polygon:
     )
 
 
-# Buildings as ``(n, 2)`` corners in a lot of the given width and height, with notches of half of
-# it or of a third of it.
+# Buildings as ``(n, 2)`` corners in a lot of the given width and height, with notches of about a
+# half or a third of it.
 
 
 def _box(wide: float, high: float, rng: np.random.Generator) -> FloatArray:
@@ -304,4 +304,4 @@ _SHAPES: tuple[Callable[[float, float, np.random.Generator], FloatArray], ...] =
 )
 
 NOTCHLESS = 3
-"""Number of the shapes at the beginning that have no notch."""
+"""Number of leading shapes without a notch."""

@@ -14,7 +14,7 @@ from multisrt.environments.generators.passable import passable, starts_near
 from multisrt.geometry.errors import InvalidInputError
 
 TRIES = 500
-"""Places tried for an obstacle before a smaller one is tried instead."""
+"""Number of places tried for an obstacle before a smaller one is tried."""
 
 
 def clutter(
@@ -27,8 +27,8 @@ def clutter(
 ) -> Environment:
     """Draw a square field with obstacles: discs, boxes, triangles, stars, L, T and U shapes.
 
-    Obstacles are at least a passage away from each other and from the walls, so that every one
-    can be driven around.
+    Obstacles keep a distance of at least `passage_m` from each other and from the walls, so that
+    robots can drive around each of them.
 
     Parameters
     ----------
@@ -127,8 +127,8 @@ def _scatter(
     return placed
 
 
-# Shapes fit into a disc of the given radius (nearly: a U's corners reach 6 % beyond it, which
-# only makes its test of nearness less eager) about the origin.
+# Shapes are centred on the origin and fit into a disc of the given radius. Corners of a U reach
+# 6 % beyond it, by which its test against neighbours is less strict.
 
 
 def _disc(radius: float, passage_m: float, rng: np.random.Generator) -> BaseGeometry:

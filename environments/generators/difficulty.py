@@ -1,7 +1,7 @@
-"""One knob for the generators whose own parameters make a world harder to explore.
+"""The difficulty of worlds, for generators that have no parameter of that name.
 
 The generators of caverns, warehouses, cities, forests and dungeons have a parameter `difficulty`.
-For the others it stands for the parameters below, which change in proportion to it.
+For the others it sets the parameters below, which change linearly with it.
 """
 
 from multisrt.environments.generators.parameters import number
@@ -21,7 +21,7 @@ RANGES: dict[str, dict[str, tuple[float, float]]] = {
 
 
 def parameters_at(generator: str, difficulty: float) -> dict[str, float]:
-    """Return the parameters of a generator that a difficulty stands for.
+    """Return the parameters of a generator that a difficulty sets.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ def parameters_at(generator: str, difficulty: float) -> dict[str, float]:
     Returns
     -------
     dict
-        Values by parameter.
+        Values of the parameters by their names.
 
     Raises
     ------

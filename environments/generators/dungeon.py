@@ -15,7 +15,7 @@ from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.numerics.kernel import BoolArray, FloatArray, IntArray
 
 PLOT = 7
-"""Cells in each row and column of the ground in which there is one room or none."""
+"""Cells in each row and column of a plot, which has one room or none."""
 
 MIN_CELLS = 2 * PLOT
 """Minimum number of cells in each row and column: with less there would be one room."""
@@ -56,13 +56,14 @@ def dungeon(
     """Draw a square dungeon.
 
     Rooms and corridors cover cells of a grid with walls between them. Corridors are the cheapest
-    paths to one room, and for some rooms to a second one, over cells of random cost. All cells are
-    as wide as the passage, so that a body of 0.9 passages reaches everything.
+    paths over cells of random cost, from every room to one room and from some rooms to a second
+    one. All cells are as wide as `passage_m`, so that a disc of diameter ``0.9 * passage_m``
+    reaches everything.
 
     Parameters
     ----------
     size_m : float
-        Inner width and height, 16 to 1000 m, and room for 2 x 2 plots; free space may be smaller.
+        Inner width and height, 16 to 1000 m, with room for 2 x 2 plots; free space may be smaller.
     difficulty : float
         From 0 to 1: there are fewer rooms and fewer loops, corridors are more winding, and up to
         2.5 corridors for each plot of 7 x 7 cells lead nowhere. The length of walls per free area
@@ -207,7 +208,7 @@ class _Cells:
         open_[row.sum(axis=1), column.sum(axis=1)] = True
         for left, right, low, high in zip(*rooms, strict=True):
             open_[2 * low : 2 * high + 1, 2 * left : 2 * right + 1] = True
-        # No post is left where the walls around it are.
+        # A post is open where all four walls around it are.
         walls = open_[::2, 1::2], open_[1::2, ::2]
         open_[1::2, 1::2] = walls[0][:-1] & walls[0][1:] & walls[1][:, :-1] & walls[1][:, 1:]
         lines = np.column_stack([self.lows, self.highs]).ravel()

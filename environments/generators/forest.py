@@ -22,7 +22,7 @@ OPEN_GAP_M = 5.0
 """Distance between trunks that is added to the passage at difficulty 0, in metres."""
 
 ROUNDS = 4
-"""Rounds in which places for trunks are drawn; later ones find only the gaps that are left."""
+"""Number of batches of places for trunks; later ones fill the remaining gaps."""
 
 
 def forest(
@@ -30,9 +30,9 @@ def forest(
 ) -> Environment:
     """Draw a square forest in which every trunk can be driven around.
 
-    Trunks are spread by Poisson-disc sampling with radii of their own: each keeps a gap to all
-    others and to the border. The gap is never narrower than the passage, so that a body of
-    0.9 passages reaches everything.
+    Trunks of different radii are spread by Poisson-disc sampling: each keeps a gap to all others
+    and to the border. The gap is never narrower than `passage_m`, so that a disc of diameter
+    ``0.9 * passage_m`` reaches everything.
 
     Parameters
     ----------
@@ -59,8 +59,8 @@ def forest(
     Notes
     -----
     Source: R. Bridson, Fast Poisson disk sampling in arbitrary dimensions, 2007; differs in:
-    trunks have radii, and a batch of places is drawn at a time, of which the earlier one of two
-    that are too close is kept.
+    trunks have radii, and places are drawn in batches; of two that are too close, the earlier one
+    is kept.
 
     Examples
     --------
@@ -124,10 +124,10 @@ def _spread(
 
 
 def _first_come(centres: FloatArray, radii: FloatArray, gap_m: float) -> BoolArray:
-    """Return which discs are kept if each is refused that is too close to a kept earlier one."""
+    """Return which discs are kept if those too close to an earlier kept one are dropped."""
     pairs = cKDTree(centres).query_pairs(gap_m + 2 * TRUNK_M[1], output_type="ndarray")
     apart = np.hypot(*(centres[pairs[:, 0]] - centres[pairs[:, 1]]).T)
-    # A millimetre more, by which rounding of the outlines may narrow the gap.
+    # Rounding of the outlines may narrow a gap by up to a millimetre.
     pairs = pairs[apart < radii[pairs].sum(axis=1) + gap_m + 1e-3]
     earlier, later = pairs.min(axis=1), pairs.max(axis=1)
     refused = np.zeros(len(centres), dtype=np.bool_)

@@ -18,7 +18,7 @@ HEDGE_M = 0.6
 TREE_RADIUS_M = 0.4
 
 Planting = Callable[[float, float], BaseGeometry]
-"""Beds, hedges and trees of a plot, from its width and the paths'."""
+"""Beds, hedges and trees of a plot, from its width and that of the paths, in metres."""
 
 
 def garden(
@@ -123,7 +123,7 @@ def _centrepiece(wide: float, path_m: float) -> BaseGeometry:
     return shapely.union_all([_disc(basin), beds.difference(walks), corners.difference(tips)])
 
 
-# Plantings are centred on the origin; those that fill their plot are cut by paths.
+# Plantings are centred on the origin.
 
 
 def _hedged_round(plot: float, path_m: float) -> BaseGeometry:

@@ -11,17 +11,17 @@ def open_walls(
 ) -> list[tuple[Cell, Cell]]:
     """Return openings between neighbouring cells that connect all cells.
 
-    A depth-first walk from a random cell opens a spanning tree with long branches; of the walls
-    that are left, each is opened with a given chance.
+    A depth-first walk from a random cell opens a spanning tree with long branches; each of the
+    remaining walls is opened with a given probability.
 
     Parameters
     ----------
     columns, rows : int
-        Cells in the grid.
+        Number of columns and rows of the grid.
     loops : float
-        Chance from 0 (a tree) to 1 (every wall open) for the walls outside the tree.
+        Probability that a wall outside the tree is opened, from 0 (a tree) to 1 (no walls).
     rng : numpy.random.Generator
-        Source of chance.
+        Random generator.
 
     Returns
     -------

@@ -23,7 +23,7 @@ COURT_M = 4.0
 WING_M = 2 * (WARD_DEPTH_M + WALL_M) + CORRIDOR_M
 BED_M = (2.1, 0.95)
 DRAWS = 12
-"""Number of random rows of rooms, of which the best fitting one is built."""
+"""Number of random rows of rooms that are drawn, of which the best fitting one is built."""
 
 Furnish = Callable[[float, float], list[BaseGeometry]]
 """Furniture of a room in its own frame, from its width and depth."""
@@ -133,7 +133,7 @@ class _Plan:
 
 
 def _clinic_row(plan: _Plan, width: float, street_y: float) -> float:
-    """Draw the entrance hall and the consulting rooms along the street; give the hall's middle."""
+    """Draw the entrance hall and the consulting rooms; return the middle x of the hall."""
     row = Bay(
         x=0.0,
         y=street_y - WALL_M,

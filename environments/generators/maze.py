@@ -27,8 +27,8 @@ def maze(
     cells : int
         Cells in each row and column, 2 to 100. Corridors must be at least 0.8 m wide.
     loops : float
-        Probability, from 0 to 1, that a wall is removed although its cells are connected
-        already. With 0 there is one path between any two places, with 1 there are no walls.
+        Probability, from 0 to 1, that a wall between cells that are already connected is
+        removed. With 0 there is one path between any two cells, with 1 there are no walls.
     seed : int
         Seed of the walls.
 
@@ -85,7 +85,7 @@ def maze(
 
 
 def _without_posts(corridors: BaseGeometry) -> BaseGeometry:
-    """Remove the corner posts that are left where all four walls around them are open."""
+    """Remove corner posts around which all four walls are open."""
     assert isinstance(corridors, Polygon)  # all cells are connected
     holes = [ring for ring in corridors.interiors if Polygon(ring).area > 2 * WALL_M**2]
     return Polygon(corridors.exterior, holes)

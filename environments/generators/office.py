@@ -35,8 +35,8 @@ def office(
 ) -> Environment:
     """Draw an office floor of one or more corridors, joined by cross corridors.
 
-    Each corridor has rooms on both sides; each room has a door to its corridor, some have another
-    to the room beside them. A lobby without a front wall opens onto the lowest corridor.
+    Each corridor has rooms on both sides. Each room has a door to its corridor, and some have
+    another to the room beside them. A lobby without a front wall opens onto the lowest corridor.
 
     Parameters
     ----------
@@ -139,7 +139,7 @@ def office(
             corridor_m=corridor_m,
             door_m=door_m,
             connecting=connecting,
-            # Written only if it is not the default: recordings hold the text.
+            # Only if it is not the default: recordings hold this text.
             **({} if furnished else {"furnished": False}),
             seed=seed,
         ),
@@ -147,7 +147,7 @@ def office(
 
 
 def _crossings(width_m: float, corridor_m: float, rng: np.random.Generator) -> list[float]:
-    """Return the left sides of the cross corridors, spread evenly with some random play."""
+    """Return the left sides of the cross corridors, evenly spaced with random offsets."""
     count = max(1, round(width_m / CROSSING_EVERY_M))
     middles = (np.arange(count) + 0.5) * width_m / count
     middles += rng.uniform(-0.08, 0.08, count) * width_m / count
@@ -171,7 +171,7 @@ def _row_with_lobby(
     opened: list[BaseGeometry],
     furniture: list[BaseGeometry],
 ) -> float:
-    """Draw a row of rooms with the lobby in the middle of it; give the lobby's middle."""
+    """Draw a row of rooms with the lobby in the middle; return the middle x of the lobby."""
     side = round((row.width_m - LOBBY_M) / 2 - WALL_M, 2)
     widths = np.array([side, row.width_m - side - 2 * WALL_M - side, side])
     left, lobby, right = row.split(widths, WALL_M)

@@ -14,7 +14,7 @@ from multisrt.geometry.numerics.kernel import FloatArray
 COLUMN_RADIUS_M = 0.35
 
 COLUMN_PITCH_M = 2.9
-"""Minimum distance between the centres of columns, and twice that of a centre to a wall (m)."""
+"""Minimum distance between centres of columns, and twice that from centres to walls, in metres."""
 
 PASSAGE_M = COLUMN_PITCH_M / 2 - COLUMN_RADIUS_M
 

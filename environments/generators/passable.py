@@ -1,4 +1,4 @@
-"""The guarantee of every generator: free space is connected for a robot, without cracks.
+"""The guarantee of generators: free space is connected for a robot and has no cracks.
 
 Cracks are closed by a morphological opening of free space: places where no disc of 0.7 m fits
 become solid. Corners are mitred, so that square rooms stay square.
@@ -18,10 +18,10 @@ BODY_SHARE = 0.9
 """Width of a body that can reach everything, as a share of the narrowest passage."""
 
 GRID_M = 1e-3
-"""Grid of the coordinates in metres, so that rounding errors cause no edges."""
+"""Grid of the coordinates in metres; removes edges that are rounding errors."""
 
 SPECK_M2 = 0.02
-"""Area below which a remainder of the erosion is no pocket, in square metres."""
+"""Area below which a remainder of the erosion does not count as a pocket, in square metres."""
 
 
 def passable(free: BaseGeometry, passage_m: float) -> Polygon:
@@ -32,13 +32,13 @@ def passable(free: BaseGeometry, passage_m: float) -> Polygon:
     free : Polygon or MultiPolygon
         Free space as drawn, in metres.
     passage_m : float
-        Width of the narrowest door or passage that a robot is to pass, at least 0.8 m.
+        Width of the narrowest door or passage that robots must pass, at least 0.8 m.
 
     Returns
     -------
     Polygon
-        The largest part of `free` in which a disc of diameter ``0.9 * passage_m`` can reach
-        everything but niches too small for it.
+        The largest part of `free` in which a disc of diameter ``0.9 * passage_m`` reaches
+        everything except niches too small for it.
     """
     inset = CRACK_M / 2
     while True:
@@ -53,7 +53,7 @@ def passable(free: BaseGeometry, passage_m: float) -> Polygon:
 def starts_near(
     free: Polygon, wanted: Sequence[tuple[float, float]], clearance_m: float = 0.6
 ) -> tuple[tuple[float, float], ...]:
-    """Return the places with room for a robot that are nearest to wanted starts.
+    """Return, for each wanted start, the nearest place with room for a robot.
 
     Parameters
     ----------
@@ -62,12 +62,12 @@ def starts_near(
     wanted : sequence of (x, y)
         Wanted starts in metres; they need not be free.
     clearance_m : float
-        Distance to obstacles; reduced if no place has as much.
+        Distance to obstacles in metres; reduced if no place has as much.
 
     Returns
     -------
     tuple of (x, y)
-        The starts in the order of `wanted`, without repetitions.
+        The starts in metres, in the order of `wanted`, without repetitions.
     """
     roomy = free.buffer(-clearance_m)
     while roomy.is_empty:

@@ -27,7 +27,7 @@ def rooms(
 ) -> Environment:
     """Draw a square building: a grid of rooms of different sizes with doors between them.
 
-    Every room can be reached; with `loops` above 0, most rooms along several routes.
+    Every room can be reached, and with large `loops` most of them by several routes.
 
     Parameters
     ----------

@@ -16,7 +16,7 @@ BACK_M = 1.1
 """Depth of the shelves that close one end of an aisle, in metres."""
 
 WIDER_M = 2.0
-"""Width that is added to the aisles at difficulty 0, in metres."""
+"""Width added to the passage in the aisles at difficulty 0, in metres."""
 
 BLOCK_M = (8.0, 24.0)
 """Length of a row of shelves between two cross aisles, at difficulty 0 and 1, in metres."""
@@ -36,10 +36,10 @@ def warehouse(
 ) -> Environment:
     """Draw a square warehouse.
 
-    Rows of shelves stand in blocks between cross aisles; aisles run along the walls, too. The
+    Rows of shelves stand in blocks between cross aisles; there are aisles along the walls, too. The
     loading zone along the lower wall has stacks of pallets. Every aisle is open at one end at
-    least and nothing is narrower than the passage, so that a body of 0.9 passages reaches
-    everything.
+    least and nothing is narrower than `passage_m`, so that a disc of diameter
+    ``0.9 * passage_m`` reaches everything.
 
     Parameters
     ----------
@@ -149,7 +149,7 @@ def _shelves(
 def _pallets(
     size_m: float, zone_m: float, passage_m: float, share: float, rng: np.random.Generator
 ) -> list[Polygon]:
-    """Return stacks of pallets on a grid in the loading zone, a passage from all else."""
+    """Return stacks of pallets in the loading zone, a passage apart from everything else."""
     depth, width = PALLET_M
     rows = int((zone_m - passage_m) / (depth + passage_m))
     columns = int((size_m - passage_m) / (width + passage_m))
@@ -165,7 +165,7 @@ def _pallets(
 
 
 def _union(boxes: list[Polygon]) -> Polygon:
-    """Return boxes that touch one after the other as one polygon."""
+    """Return the union of a chain of touching boxes."""
     joined = boxes[0] if len(boxes) == 1 else shapely.union_all(boxes).simplify(0.0)
     assert isinstance(joined, Polygon)
     return joined

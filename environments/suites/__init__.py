@@ -1,4 +1,4 @@
-"""Suites: sets of thirty worlds each that are named, versioned and kept apart for comparisons.
+"""Suites: named and versioned sets of thirty worlds that are held out for comparisons.
 
 >>> from multisrt import suites
 >>> suites.names()
@@ -7,7 +7,7 @@
 >>> indoor[7].name
 'indoor-30/07'
 
-A world is built when it is asked for, and compared with the digest that the suite holds.
+A world is built when it is accessed, and its digest is compared with that of the suite.
 """
 
 from multisrt.environments.suites.loading import is_world, load, names, world

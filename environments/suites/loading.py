@@ -1,4 +1,4 @@
-"""Suites by name, from the files of this folder."""
+"""Suites by name, from the files in this folder."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ FILES = Path(__file__).parent
 
 
 class _File(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """What a file of a suite holds."""
+    """Content of the file of a suite."""
 
     version: int
     about: str
@@ -40,7 +40,7 @@ def names() -> tuple[str, ...]:
 
 @cache
 def load(name: str) -> Suite:
-    """Return a suite; its worlds are built when they are asked for.
+    """Return a suite; its worlds are built when they are accessed.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def load(name: str) -> Suite:
     Raises
     ------
     InvalidInputError
-        If there is no suite of the name.
+        If there is no suite of that name.
 
     Examples
     --------
@@ -73,7 +73,7 @@ def load(name: str) -> Suite:
 
 
 def is_world(name: str) -> bool:
-    """Return whether a text is the name of a world of a suite, right or wrong in its number.
+    """Return whether a name is that of a suite and a number, which need not exist.
 
     Examples
     --------
@@ -91,7 +91,7 @@ def world(name: str, *, version: int | None = None) -> Environment:
     name : str
         Such as "indoor-30/07".
     version : int, optional
-        Version of the suite that is meant; by default that of this release.
+        Version of the suite that is required; by default that of this release.
 
     Returns
     -------
@@ -101,8 +101,8 @@ def world(name: str, *, version: int | None = None) -> Environment:
     Raises
     ------
     InvalidInputError
-        If there is no such world or the suite has another version, or if this installation builds
-        another world than that of the suite.
+        If there is no such world, the suite has another version, or this installation builds a
+        world with another digest than that of the suite.
 
     Examples
     --------
@@ -113,6 +113,6 @@ def world(name: str, *, version: int | None = None) -> Environment:
     if version is not None and version != suite.version:
         raise InvalidInputError(
             f"the suite {suite.name} has version {suite.version} in this release, and version "
-            f"{version} is asked for; take the release with that version"
+            f"{version} is required; install the release that has it"
         )
     return suite[suite.require_world(name)]

@@ -1,4 +1,4 @@
-"""A suite: worlds of generators with their digests, built when they are asked for."""
+"""A suite: generated worlds with their digests, built when they are accessed."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ class Entry(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     Attributes
     ----------
     generator : str
-        Name of a generator in the catalogue.
+        Name of a generator in the catalog.
     seed : int
         Its seed.
     parameters : dict
-        Its parameters that are not its defaults.
+        Its parameters, except for defaults.
     digest : str
         What `digest_of` returns for the world.
     """
@@ -38,18 +38,19 @@ class Entry(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
 
 
 class Suite(msgspec.Struct, frozen=True, kw_only=True):
-    """Worlds for comparisons, which no example, test or default uses.
+    """Worlds that are held out for comparisons: no example, test or default uses them.
 
-    A sequence: ``suite[7]`` is the world ``NAME/07``, and loops build one world at a time.
+    A suite is a sequence: ``suite[7]`` is the world ``NAME/07``. Iteration builds one world at a
+    time.
 
     Attributes
     ----------
     name : str
         Name, such as "indoor-30".
     version : int
-        Changes with any of the worlds.
+        Version number; a change of any world changes it.
     about : str
-        What worlds they are.
+        Description in one line.
     entries : tuple of Entry
         How the worlds are made.
 
@@ -120,7 +121,7 @@ class Suite(msgspec.Struct, frozen=True, kw_only=True):
         IndexError
             If there is no such world.
         InvalidInputError
-            If this installation builds another world than that of the suite.
+            If this installation builds a world with another digest than that of the suite.
         """
         from multisrt.environments.environment import Environment
 
@@ -131,8 +132,8 @@ class Suite(msgspec.Struct, frozen=True, kw_only=True):
             raise InvalidInputError(
                 f"{name} is not the world of version {self.version} of the suite: "
                 f"{built.origin} has the digest {found[:12]} here, and {entry.digest[:12]} in the "
-                "suite; results would not compare with those of others. Install the packages "
-                "that constraints.txt of this release lists"
+                "suite; results would not be comparable with those of others. Install the package "
+                "versions of constraints.txt of this release"
             )
         return Environment(name, built.free, starts=built.starts, origin=built.origin)
 

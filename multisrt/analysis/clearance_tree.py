@@ -1,15 +1,15 @@
-"""How wide a part of free space is, everywhere: a tree of widest paths on its medial axis.
+"""Clearance of a part of free space: a tree of widest paths on its medial axis.
 
 The boundary is sampled so densely that the Delaunay triangulation of the samples has all pieces of
-the boundary as edges. Its triangles then divide free space, and the centres of their circles lie
-on its medial axis, about. Neighbouring triangles are linked by the clearance with which a disc gets
-from one centre to the other. Of these links a maximum spanning tree is kept: between any two
-places the path in it is a widest one, so that all questions of where bodies get are answered by
-the tree.
+the boundary as edges. Its triangles then partition free space, and their circumcentres
+approximate its medial axis. The link between two neighbouring triangles has the radius of the
+largest disc that passes from one centre to the other. In a maximum spanning tree of these links,
+the path between any two places is a widest one, so that the tree determines where a disc of any
+radius can go.
 
 Source: D. T. Lee, Medial axis transformation of a planar shape, 1982; T. C. Hu, The maximum
 capacity route problem, 1961; differs in: samples of the boundary in place of its segments. The
-ends of passages are exact, as they are computed from segments and added to the samples.
+ends of passages are exact, since they are computed from segments and added to the samples.
 """
 
 from __future__ import annotations
@@ -29,19 +29,19 @@ from shapely import Polygon
 from multisrt.geometry.numerics.kernel import BoolArray, FloatArray, IntArray, kernel
 
 SPACING_M: Final = 0.05
-"""Upper bound of the distance of neighbouring samples, in metres."""
+"""Upper bound of the distance between neighbouring samples, in metres."""
 
 SPACING_SHARE: Final = 1.0 / 400.0
-"""Upper bound of it as a share of the side of a square of the same area."""
+"""Upper bound of that distance as a share of the side of a square with the area of the part."""
 
 MAX_SAMPLES: Final = 400_000
-"""Number of samples from which on they are farther apart."""
+"""Number of samples above which they are spaced more widely."""
 
 MIN_SPACING_SHARE: Final = 1.0 / 4.0
-"""Pieces of the boundary are halved near other samples down to this share of their distance."""
+"""Pieces of the boundary near other samples are halved down to this share of the spacing."""
 
 MIN_PIECE_SHARE: Final = 1.0 / 64.0
-"""Pieces of the boundary that are no edges are halved down to this share of their distance."""
+"""Pieces of the boundary that are not edges are halved down to this share of the spacing."""
 
 CROWDED_ROUNDS: Final = 2
 """Upper bound of the rounds in which pieces of the boundary are halved near other samples."""
@@ -50,7 +50,7 @@ MAX_ROUNDS: Final = 8
 """Upper bound of the rounds in which pieces of the boundary are halved."""
 
 FLAT: Final = 1e-9
-"""Triangles are flat whose height is a smaller share of the side of a square of the same area."""
+"""Height of a flat triangle, as a share of the side of a square with the area of the part."""
 
 WIDENING: Final = 1.005
 """A passage has places on both sides that are wider by this factor."""
@@ -59,7 +59,7 @@ LIMIT_SHARE: Final = 0.01
 """A passage limits the largest body if at least this share of free space is behind it."""
 
 CORNER_SHARE: Final = 1.05 * (1.0 - math.pi / 4.0)
-"""What a disc leaves free in a right-angled corner, as a share of its radius squared, and 5 %."""
+"""Area that a disc leaves in a right-angled corner, in squares of its radius, plus 5 %."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -71,8 +71,8 @@ class Passage:
     ends : ((x, y), (x, y))
         The two places on the boundary between which it is narrowest, in metres.
     beyond_m2 : float
-        Area of free space on its smaller side: what bodies that do not pass cannot reach from
-        the larger one, or only by ways that are narrower.
+        Area of free space on its smaller side, in square metres, which bodies on the larger side
+        reach only through this passage or narrower ones.
     """
 
     ends: tuple[tuple[float, float], tuple[float, float]]
@@ -85,22 +85,22 @@ class Passage:
 
     @property
     def centre(self) -> tuple[float, float]:
-        """The place in the middle between the ends, in metres."""
+        """The point midway between the ends, in metres."""
         (x0, y0), (x1, y1) = self.ends
         return (x0 + x1) / 2.0, (y0 + y1) / 2.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LargestBody:
-    """The largest disc that gets everywhere; see `ClearanceTree.largest_body`.
+    """The largest disc that reaches nearly everything; see `ClearanceTree.largest_body`.
 
     Attributes
     ----------
     radius_m : float
         Its radius in metres.
     limit : Passage or None
-        The passage that larger discs do not pass; None if no single passage limits it, but
-        places that become narrower and narrower.
+        The passage that larger discs do not pass; None if free space narrows gradually, so that
+        no single passage limits the disc.
     """
 
     radius_m: float
@@ -111,7 +111,7 @@ class LargestBody:
 class ClearanceTree:
     """The tree of widest paths in a connected part of free space.
 
-    Nodes are triangles, links are between neighbours; see the module.
+    Nodes are triangles, and links join neighbours; see the module's documentation.
 
     Attributes
     ----------
@@ -124,13 +124,13 @@ class ClearanceTree:
     areas : (n,) array
         Areas of the triangles, in square metres.
     links : (n - 1, 2) array of int
-        The links of the tree, by falling clearance.
+        The links of the tree as pairs of triangles, by decreasing clearance.
     clearances : (n - 1,) array
-        Radius of the largest disc that passes each link.
+        Radius of the largest disc that passes each link, in metres.
     ends : (n - 1, 2, 2) array
-        Ends of the edge that the triangles of each link share.
+        Ends of the edge that the triangles of each link share, in metres.
     peaks : (n - 1,) array
-        For each link, of the two places that it joins the clearance of the less roomy one.
+        For each link, the smaller of the largest clearances on its two sides, in metres.
     """
 
     part: Polygon
@@ -193,9 +193,9 @@ class ClearanceTree:
         return Passage(ends=((x0, y0), (x1, y1)), beyond_m2=float(self.beyond_m2[link]))
 
     def reached_share(self, radius_m: float) -> float:
-        """Return the share of free space that a disc gets to from its best place.
+        """Return the share of free space that a disc reaches from its best place.
 
-        What is left over in corners of a right angle or more counts as reached.
+        The remainders in corners of 90 degrees or more count as reached.
 
         Parameters
         ----------
@@ -205,18 +205,18 @@ class ClearanceTree:
         return self._share_by_links(int(np.count_nonzero(self.clearances >= radius_m)), radius_m)
 
     def largest_body(self, share: float) -> LargestBody:
-        """Return the largest disc that gets everywhere, but for a small share of free space.
+        """Return the largest disc that reaches a given share of free space.
 
         Parameters
         ----------
         share : float
-            Share of the area to which the disc gets from its best place, from 0 to 1. What is left
-            over in corners of a right angle or more counts as reached.
+            Share of the area that the disc reaches from its best place, from 0 to 1. The remainders
+            in corners of 90 degrees or more count as reached.
 
         Returns
         -------
         LargestBody
-            Exact if a passage limits it; else to about one part in a thousand.
+            Its radius is exact if a passage limits it, else accurate to about 0.1 %.
 
         Examples
         --------
@@ -227,7 +227,7 @@ class ClearanceTree:
         """
         if not len(self.links):
             return LargestBody(radius_m=float(self.radii.max()), limit=None)
-        # The largest disc passes a link exactly: the share falls from link to link.
+        # The largest disc just passes some link: bisect over the links.
         low, high = 0, len(self.clearances) - 1
         while low < high:
             middle = (low + high) // 2
@@ -245,13 +245,13 @@ class ClearanceTree:
         return LargestBody(radius_m=radius, limit=self._passage(int(door)))
 
     def _share_by_links(self, passed: int, radius_m: float) -> float:
-        # The share that a disc reaches that passes the first so many links.
+        # Share that a disc reaches if it passes the first `passed` links.
         count, total = len(self.areas), float(self.areas.sum())
         if self.radii.max() < radius_m:
             return 0.0
         _, joined = csgraph.connected_components(_graph(self.links[:passed], count), directed=False)
         sizes = np.bincount(joined, weights=self.areas)
-        sizes[joined[self.radii < radius_m]] = 0.0  # those that are a single narrow triangle
+        sizes[joined[self.radii < radius_m]] = 0.0  # single triangles that are too narrow
         reached = joined == np.argmax(sizes)
         # Around it are pockets, each behind one link.
         first, second = self.links.T
@@ -265,7 +265,7 @@ class ClearanceTree:
         return 1.0 - float(left.sum()) / total
 
     def _bulges(self, links: IntArray, radius_m: float) -> FloatArray:
-        # How far the disc reaches into each pocket: the segment of a circle on a chord.
+        # Area of each pocket that the disc covers: the circular segment on its mouth as chord.
         along = self.ends[links, 1] - self.ends[links, 0]
         half = np.minimum(1.0, np.hypot(*along.T) / (2.0 * radius_m))
         angle = 2.0 * np.arcsin(half)
@@ -284,6 +284,7 @@ def clearance_tree(part: Polygon) -> ClearanceTree:
     Returns
     -------
     ClearanceTree
+        The tree.
 
     Examples
     --------
@@ -293,7 +294,7 @@ def clearance_tree(part: Polygon) -> ClearanceTree:
     """
     rings, scale = _rings(part), math.sqrt(part.area)
     tree = _tree_of(part, rings, scale, crowded_rounds=0)
-    # A second time with the ends of passages among the samples, which are exact then.
+    # Once more with the exact ends of passages among the samples.
     links = np.flatnonzero(
         (tree.peaks > WIDENING * tree.clearances) & (tree.beyond_m2 > 1e-4 * part.area)
     )
@@ -319,7 +320,7 @@ def _tree_of(
     _, joined = csgraph.connected_components(
         _graph(np.column_stack([first, neighbours[first, corner]]), len(triangles)), directed=False
     )
-    # Cracks thinner than the samples are dense can separate a few triangles from all others.
+    # Cracks thinner than the spacing of samples can separate a few triangles from the others.
     inside &= joined == np.argmax(np.bincount(joined, weights=np.where(inside, areas, 0.0)))
     first, corner = _neighbours(inside, neighbours)
     second = neighbours[first, corner]
@@ -350,7 +351,7 @@ def _tree_of(
 
 
 def _neighbours(inside: BoolArray, neighbours: IntArray) -> tuple[IntArray, IntArray]:
-    # Each pair of neighbouring triangles once, as one of them and its corner opposite the other.
+    # Each pair of neighbouring triangles once: one of them, and its corner opposite the other.
     later = neighbours > np.arange(len(inside))[:, None]
     first, corner = np.nonzero(inside[:, None] & later & inside[neighbours])
     return first, corner
@@ -384,8 +385,8 @@ def _triangulated(
 ) -> tuple[FloatArray, IntArray, IntArray]:
     """Return a Delaunay triangulation in which pieces of the boundary are edges.
 
-    Pieces that are no edges are halved and, in the first rounds, those that have a sample in the
-    circle around them.
+    Pieces that are not edges are halved, and in the first rounds also those with a sample in their
+    diametral circle.
     """
     origin = samples.mean(axis=0)
     for number in range(MAX_ROUNDS):
@@ -408,9 +409,9 @@ def _triangulated(
 def _bad_pieces(
     samples: FloatArray, after: IntArray, triangles: IntArray
 ) -> tuple[BoolArray, BoolArray]:
-    """Return which pieces of the boundary are no edges, and which have samples too near.
+    """Return which pieces of the boundary are not edges, and which have samples too near.
 
-    A sample in the circle around a piece sees it at an obtuse angle.
+    A sample in the diametral circle of a piece sees the piece at an obtuse angle.
     """
     count = len(samples)
     # Each triangle's corners, and opposite to each the edge between the other two.
@@ -437,7 +438,7 @@ def _bad_pieces(
 
 
 def _circles(places: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return centres and radii of the circles through the corners of triangles."""
+    """Return centres and radii of the circumcircles of triangles."""
     b, c = places[:, 1] - places[:, 0], places[:, 2] - places[:, 0]
     twice = 2.0 * _cross(b, c)
     bb, cc = np.einsum("ij,ij->i", b, b), np.einsum("ij,ij->i", c, c)
@@ -449,10 +450,10 @@ def _circles(places: FloatArray) -> tuple[FloatArray, FloatArray]:
 def _clearances(
     centres: FloatArray, radii: FloatArray, first: IntArray, second: IntArray, ends: FloatArray
 ) -> FloatArray:
-    """Return the smallest clearance on the way between the centres of neighbours.
+    """Return the smallest clearance on the path between the centres of neighbours.
 
-    The way is on the bisector of the ends of their common edge: it is narrowest in the middle
-    between these, if it comes by there.
+    The path lies on the bisector of the ends of their common edge: it is narrowest midway between
+    these, if it passes there.
     """
     along = ends[:, 1] - ends[:, 0]
     middle = 0.5 * (ends[:, 0] + ends[:, 1])
@@ -468,8 +469,8 @@ def _with_exact_ends(
 ) -> list[FloatArray]:
     """Return the rings with the ends of passages as corners.
 
-    Each passage is between two edges of the boundary near its ends, whose nearest points are
-    exact.
+    A passage lies between two edges of the boundary near its ends; their nearest points are its
+    exact ends.
     """
     starts = np.vstack(rings)
     stops = np.vstack([np.roll(ring, -1, axis=0) for ring in rings])

@@ -1,4 +1,4 @@
-"""Whether a world suits a body: its separate parts, its narrow passages, what is out of reach."""
+"""Check whether a world suits a body: separate parts, narrow passages, and areas out of reach."""
 
 from __future__ import annotations
 
@@ -22,57 +22,57 @@ from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.errors import InvalidInputError
 
 SHARE: Final = 0.95
-"""Default of the share of free space that a body is to reach."""
+"""Default share of the main part that a body is to reach."""
 
 MIN_MAIN_SHARE: Final = 0.9
-"""Share of free space; if less is in the part that is explored, the check says so."""
+"""Minimum share of free space in the main part; with less, the check reports a problem."""
 
 MIN_BEYOND_M2: Final = 1.0
-"""Least area behind a passage that is listed, in square metres."""
+"""Minimum area behind a passage that is listed, in square metres."""
 
 MIN_BEYOND_SHARE: Final = 0.01
-"""The same as a share of the part, if that is less."""
+"""The same as a share of the main part, if that is less."""
 
 ARC_ERROR_M: Final = 1e-4
-"""Upper bound of the distance between arcs and the chords in their place, in metres."""
+"""Maximum distance between arcs and the chords that replace them, in metres."""
 
 ROUNDING_M: Final = 1e-6
-"""Bodies are smaller by this: a gap that just fits lets them through."""
+"""Bodies are taken smaller by this, in metres, so that they pass a gap that just fits."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MapCheck:
-    """What `check_map` found.
+    """Findings of `check_map`.
 
     Attributes
     ----------
     environment : Environment
         The world.
     footprint : Footprint
-        The body. Of a body that is no disc, the inscribed disc is checked, which passes wherever
-        the body does.
+        The body. If it is not a disc, its largest inscribed disc is checked, which passes
+        wherever the body does.
     share : float
-        Share of free space that a body is to reach.
+        Share of the main part that a body is to reach.
     parts : tuple of Polygon
         The separate parts of free space, the largest first.
     around : Enclosing or None
-        The part that lies around others, as the paper around a floor plan.
+        The part that lies around others, such as the paper around a floor plan.
     main : Polygon
-        The part that is checked: that of the first suggested start, or else the largest that does
-        not lie around others.
+        The main part, which is checked: that of the first suggested start, or else the largest
+        that does not lie around others.
     start_parts : tuple of int
-        Number of the part, from 0, that each suggested start is in.
+        For each suggested start, the index in `parts` of the part that it is in.
     superfluous_vertices : int
         Number of vertices that lie on the line between their neighbours.
     passages : tuple of Passage
-        Passages of the main part with something behind them, the narrowest first.
+        Passages of the main part with enough area behind them, the narrowest first.
     largest : LargestBody
-        The largest disc that reaches the stated share of the main part.
+        The largest disc that reaches `share` of the main part.
     reachable : tuple of Polygon
         Positions that the reference point of the body can reach in the main part.
     unreachable : tuple of Polygon
-        Areas of the main part that the body does not get to, the largest first. What is left
-        over in corners of a right angle or more is not among them.
+        Areas of the main part that the body does not cover from there, the largest first, except
+        for the remainders in corners of 90 degrees or more.
     """
 
     environment: Environment
@@ -90,7 +90,7 @@ class MapCheck:
 
     @property
     def reached_share(self) -> float:
-        """Share of the main part that the body gets to."""
+        """Share of the main part that the body reaches."""
         if not self.reachable:
             return 0.0
         left = sum(area.area for area in self.unreachable)
@@ -104,10 +104,15 @@ class MapCheck:
 
     @property
     def problems(self) -> tuple[str, ...]:
-        """What is wrong for the body, in words; empty if nothing is."""
-        return tuple(filter(None, (self._in_parts(), self._out_of_reach(), *self._of_starts())))
+        """Problems of the world for the body, one sentence each; empty if it suits the body."""
+        return tuple(
+            filter(
+                None,
+                (self._problem_of_parts(), self._problem_of_reach(), *self._problems_of_starts()),
+            )
+        )
 
-    def _in_parts(self) -> str:
+    def _problem_of_parts(self) -> str:
         share = self.main.area / self.environment.area_m2
         if share >= MIN_MAIN_SHARE:
             return ""
@@ -117,7 +122,7 @@ class MapCheck:
             return f"{said}; the area around the walls is free, too: make it occupied"
         return f"{said}: open doors between the parts, or leave the other parts out"
 
-    def _out_of_reach(self) -> str:
+    def _problem_of_reach(self) -> str:
         if not self.reachable:
             return (
                 f"the body {self.footprint} fits nowhere in the main part: the largest disc there "
@@ -126,11 +131,11 @@ class MapCheck:
         if self.reached_share >= self.share:
             return ""
         return (
-            f"the body {self.footprint} gets to {100.0 * self.reached_share:.1f} % of the main "
+            f"the body {self.footprint} reaches {100.0 * self.reached_share:.1f} % of the main "
             "part: take a smaller body, or widen passages"
         )
 
-    def _of_starts(self) -> list[str]:
+    def _problems_of_starts(self) -> list[str]:
         found = []
         radius = self.footprint.inscribed_radius_m - ROUNDING_M
         for (x, y), number in zip(self.environment.starts, self.start_parts, strict=True):
@@ -147,7 +152,7 @@ class MapCheck:
 
 
 def check_map(environment: Environment, footprint: Footprint, *, share: float = SHARE) -> MapCheck:
-    """Return whether a world suits a body, and where it does not.
+    """Check whether a world suits a body, and where it does not.
 
     Parameters
     ----------
@@ -161,6 +166,7 @@ def check_map(environment: Environment, footprint: Footprint, *, share: float = 
     Returns
     -------
     MapCheck
+        The findings; `MapCheck.problems` is empty if the world suits the body.
 
     Raises
     ------
@@ -177,10 +183,10 @@ def check_map(environment: Environment, footprint: Footprint, *, share: float = 
     >>> round(check.largest.radius_m, 6), round(check.reached_share, 2)
     (0.2, 0.5)
     >>> print(*check.problems)
-    the body disc:0.25 gets to 50.0 % of the main part: take a smaller body, or widen passages
+    the body disc:0.25 reaches 50.0 % of the main part: take a smaller body, or widen passages
     """
     if not 0.0 < share <= 1.0:
-        raise InvalidInputError(f"the share is {share:g}; it is above 0 and at most 1")
+        raise InvalidInputError(f"the share is {share:g}; it must be above 0 and at most 1")
     parts, around = pieces(environment), enclosing(environment)
     inside = [part for part in parts if around is None or part is not around.area]
     main = environment.component(*environment.starts[0]) if environment.starts else inside[0]
@@ -206,13 +212,13 @@ def check_map(environment: Environment, footprint: Footprint, *, share: float = 
 
 
 def place_in(area: Polygon) -> str:
-    """Return a place inside an area as text, in metres."""
+    """Return a point inside an area as text, in metres."""
     point = shapely.point_on_surface(area)
     return f"({point.x:.2f}, {point.y:.2f})"
 
 
 def _reachable(environment: Environment, main: Polygon, radius_m: float) -> tuple[Polygon, ...]:
-    # From the first suggested start, or else where a body reaches most.
+    # From the first suggested start, or else where the body reaches the most.
     room = main.buffer(ROUNDING_M - radius_m, quad_segs=_segments(radius_m))
     areas = [area for area in shapely.get_parts(room) if not area.is_empty]
     if not areas:
@@ -239,6 +245,6 @@ def _unreachable(
 
 
 def _segments(radius_m: float) -> int:
-    # Of a quarter of a circle.
+    # Number of segments of a quarter of a circle.
     half = math.acos(max(0.0, 1.0 - ARC_ERROR_M / radius_m))
     return max(4, math.ceil(math.pi / 4.0 / half))

@@ -21,10 +21,10 @@ if TYPE_CHECKING:
     from multisrt.environments.environment import Environment
 
 PROBLEM = 1
-"""Exit code if a checked environment has a problem for the body."""
+"""Exit code if the map has a problem for the body."""
 
 SPECK_M = 0.01
-"""Default of the size of specks that --fix drops, in metres."""
+"""Default size of the specks that --fix drops, in metres."""
 
 CHECK_EXAMPLES = """
 \b
@@ -50,7 +50,7 @@ def _meant(words: Sequence[str]) -> Sequence[str]:
 def environments(context: click.Context) -> None:
     """List the environments and suites; draw, check or export one.
 
-    A suite has worlds that are kept apart for comparisons: NAME/00, NAME/01 and so on.
+    The worlds of a suite are held out for comparisons: NAME/00, NAME/01 and so on.
 
     \b
     Examples:
@@ -134,7 +134,7 @@ def show(
     type=click.Path(path_type=Path),
     required=True,
     metavar="FILE",
-    help="The map; its suffix says the format.",
+    help="Map file, whose suffix determines the format.",
 )
 @force_option()
 @click.option(
@@ -243,7 +243,7 @@ def _describe(world: Environment, name: str) -> None:
     type=click.FloatRange(0.0, 1.0, min_open=True),
     default=0.95,
     show_default=True,
-    help="Share of free space that a body is to reach.",
+    help="Share of the main part that a body is to reach.",
 )
 @click.option(
     "--out", type=click.Path(path_type=Path), metavar="FILE", help="File for a picture (SVG)."
@@ -252,8 +252,8 @@ def _describe(world: Environment, name: str) -> None:
     "--fix",
     type=click.Path(path_type=Path),
     metavar="OUT",
-    help="Repair rings, drop specks and vertices that are not needed, and write a clean copy "
-    "(.geojson or .wkt), which is checked.",
+    help="Repair rings, drop specks and superfluous vertices, and write a clean copy "
+    "(.geojson or .wkt), which is then checked.",
 )
 @click.option(
     "--specks",
@@ -265,7 +265,7 @@ def _describe(world: Environment, name: str) -> None:
     "--close",
     type=click.FloatRange(0.0),
     metavar="METRES",
-    help="With --fix: close passages that are narrower.  [default: none]",
+    help="With --fix: close passages narrower than this.  [default: none]",
 )
 @click.option(
     "--simplify",
@@ -292,7 +292,7 @@ def check(
     """Check whether a map suits a body, and repair it.
 
     Reports the size of the map, its separate parts, its narrowest passage, the largest body that
-    gets everywhere, and what is out of reach of the body.
+    reaches nearly everything, and what is out of reach of the given body.
 
     ENV is a name that 'multisrt environments' lists, or a map file as for 'multisrt explore'.
     """
@@ -304,7 +304,7 @@ def check(
 
     body = Footprint.parse(footprint)
     if fix is None and (names := [name for name in ("specks", "close", "simplify") if given[name]]):
-        raise click.UsageError(f"--{names[0]} is for --fix OUT, which is not given")
+        raise click.UsageError(f"--{names[0]} requires --fix OUT")
     for path in (out, fix):
         if path is not None:
             require_place(path, force=force)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from multisrt.recording import Recording
     from multisrt.terminal import LiveLine
 
-# Their import would delay the help; a test compares these words with `multisrt.exporting.whats`.
+# Importing them would delay the help; a test compares these words with `multisrt.exporting.whats`.
 WHATS: Final = ("run", "trajectories", "map", "tree", "world")
 
 OPTIONS: Final = {
@@ -29,12 +29,12 @@ OPTIONS: Final = {
     "height_m": "--height",
     "without": "--without",
 }
-"""Options by the names of their values."""
+"""Options by the names of their parameters."""
 
 
 @click.command()
 @click.argument("recording", metavar="RECORDING", type=click.Path(path_type=Path))
-@out_file("what is written; its suffix says the format", EXPORT_NAME)
+@out_file("the export, whose suffix determines the format", EXPORT_NAME)
 @force_option()
 @click.option(
     "--what",
@@ -61,7 +61,7 @@ OPTIONS: Final = {
     type=float,
     metavar="HZ",
     help="Poses of a moving robot per second, besides its waypoints.  "
-    "[default: 10 of a run, waypoints only of trajectories]",
+    "[default: 10 in a run, waypoints only in trajectories]",
 )
 @click.option(
     "--map-interval",
@@ -102,8 +102,8 @@ def export(
 
     \b
     What is written, by suffix (without --what the first that has the suffix):
-      run           .mcap for Foxglove and ROS 2, .rrd for rerun: all of it
-      trajectories  .csv, .json, .tum, .txt: where the robots were; in the
+      run           .mcap for Foxglove and ROS 2, .rrd for rerun: the whole run
+      trajectories  .csv, .json, .tum, .txt: poses of the robots; in the
                     format of TUM (.tum, .txt) one file for each robot
       map           .yaml and .pgm for ROS, .geojson, .wkt, .svg, .dxf, .stl,
                     .glb: what a robot or the team knew
@@ -128,7 +128,9 @@ def export(
 
     chosen = {name: value for name, value in given.items() if value not in ((), None)}
     if out is None and what not in (None, "run"):
-        raise InvalidInputError(f"--what {what} needs a file whose suffix says the format: --out")
+        raise InvalidInputError(
+            f"--what {what} needs a file whose suffix determines the format: --out"
+        )
     what = what_of(Path(EXPORT_NAME) if out is None else out, what)
     path = recording_in(recording)
     out = path.with_name(EXPORT_NAME) if out is None else out

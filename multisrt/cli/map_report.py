@@ -1,4 +1,4 @@
-"""What the check of a map found, in words."""
+"""Findings of the check of a map, in words."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ MAX_PASSAGES = 5
 """Number of passages, or groups of equally wide ones, that are listed."""
 
 MAX_PLACES = 3
-"""Number of places that are named of equally wide passages."""
+"""Number of equally wide passages whose places are listed."""
 
 
 def report(check: MapCheck) -> Iterator[str]:
@@ -39,11 +39,11 @@ def report(check: MapCheck) -> Iterator[str]:
     >>> for line in report(check_map(rooms, Footprint.disc(0.25))):
     ...     print(line.replace(": a disc", ":\\n  a disc"))
     two rooms: 8.2 x 4 m, 32.08 m2 free, 12 vertices
-    parts: 1 area
+    free space: 1 part
     narrowest passage: 0.4 m wide at (4.07, 2.00), 16.03 m2 behind it
-    largest body that gets to 95 % of it:
+    largest body that reaches 95 % of it:
       a disc of 0.2 m in radius, limited by the passage at (4.07, 2.00)
-    the body disc:0.25 gets to 50 % of it; out of reach: 16.1 m2 at (6.15, 2.00)
+    the body disc:0.25 reaches 50 % of it; out of reach: 16.1 m2 at (6.15, 2.00)
     the passage at (4.07, 2.00) is 0.4 m wide: bodies up to 0.2 m in radius pass
     """
     world = check.environment
@@ -56,14 +56,14 @@ def report(check: MapCheck) -> Iterator[str]:
     )
     if world.cleaning:
         yield f"cleaned: {world.cleaning}"
-    yield f"parts: {areas(world)}{_of_starts(check)}"
+    yield f"free space: {areas(world)}{_parts_of_starts(check)}"
     if said := around(world):
         yield said
     here = "it" if len(check.parts) == 1 else f"the part of {check.main.area:.4g} m2"
     if check.passages:
         first = check.passages[0]
         yield (
-            f"narrowest passage: {_m(first.width_m)} wide at {_place(first)}, "
+            f"narrowest passage: {_metres(first.width_m)} wide at {_place(first)}, "
             f"{first.beyond_m2:.4g} m2 behind it"
         )
     else:
@@ -71,15 +71,17 @@ def report(check: MapCheck) -> Iterator[str]:
     limit = check.largest.limit
     why = f"limited by the passage at {_place(limit)}" if limit else "limited by narrow places"
     yield (
-        f"largest body that gets to {100.0 * check.share:.3g} % of {here}: a disc of "
-        f"{_m(check.largest.radius_m)} in radius, {why}"
+        f"largest body that reaches {100.0 * check.share:.3g} % of {here}: a disc of "
+        f"{_metres(check.largest.radius_m)} in radius, {why}"
     )
-    reached = f"the body {check.footprint} gets to {100.0 * check.reached_share:.3g} % of {here}"
-    yield reached + (f"; out of reach: {_listed(check.unreachable)}" if check.unreachable else "")
+    reached = f"the body {check.footprint} reaches {100.0 * check.reached_share:.3g} % of {here}"
+    yield reached + (
+        f"; out of reach: {_listed_areas(check.unreachable)}" if check.unreachable else ""
+    )
     yield from _blocking(check.blocking)
 
 
-def _of_starts(check: MapCheck) -> str:
+def _parts_of_starts(check: MapCheck) -> str:
     if not check.start_parts:
         return ""
     used = sorted(set(check.start_parts))
@@ -89,7 +91,7 @@ def _of_starts(check: MapCheck) -> str:
     return f"; the suggested starts are in {'that' if len(used) == 1 else 'those'} of {sizes} m2"
 
 
-def _listed(found: Sequence[Polygon]) -> str:
+def _listed_areas(found: Sequence[Polygon]) -> str:
     from multisrt.analysis.map_check import place_in
 
     text = ", ".join(f"{area.area:.3g} m2 at {place_in(area)}" for area in found[:MAX_AREAS])
@@ -102,8 +104,8 @@ def _listed(found: Sequence[Polygon]) -> str:
 def _blocking(passages: Sequence[Passage]) -> Iterator[str]:
     by_width: dict[str, list[Passage]] = {}
     for passage in passages:
-        by_width.setdefault(_m(passage.width_m), []).append(passage)
-    # The widest first: of those that are too narrow, they are the easiest to pass.
+        by_width.setdefault(_metres(passage.width_m), []).append(passage)
+    # The widest first, since a slightly smaller body passes these.
     for width, group in list(reversed(by_width.items()))[:MAX_PASSAGES]:
         places = ", ".join(_place(passage) for passage in group[:MAX_PLACES])
         if more := len(group[MAX_PLACES:]):
@@ -111,7 +113,7 @@ def _blocking(passages: Sequence[Passage]) -> Iterator[str]:
         several = len(group) > 1
         yield (
             f"the passage{'s' * several} at {places} {'are' if several else 'is'} {width} wide: "
-            f"bodies up to {_m(group[0].width_m / 2.0)} in radius pass"
+            f"bodies up to {_metres(group[0].width_m / 2.0)} in radius pass"
         )
     if len(by_width) > MAX_PASSAGES:
         more = sum(len(group) for group in list(by_width.values())[:-MAX_PASSAGES])
@@ -123,5 +125,5 @@ def _place(passage: Passage) -> str:
     return f"({x:.2f}, {y:.2f})"
 
 
-def _m(metres: float) -> str:
+def _metres(metres: float) -> str:
     return f"{metres:.3g} m"

@@ -13,7 +13,7 @@ import click
 
 @dataclass(frozen=True, slots=True)
 class OwnMap:
-    """A map file, and of an image its resolution in metres per pixel and a team file with starts.
+    """A map file, and for an image its resolution in metres per pixel and a team file with starts.
 
     As a string, the options that name it, without the folders of the files.
     """
@@ -46,7 +46,7 @@ def starts_from_option(when: str = "") -> Callable[[Callable[..., Any]], Callabl
         "--starts-from",
         type=click.Path(),
         metavar="FILE",
-        help=f"{when}{first} of an image: a team file of MRESim.",
+        help=f"{when}{first} of an image: an MRESim team file.",
     )
 
 

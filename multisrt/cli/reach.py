@@ -1,4 +1,4 @@
-"""The separate areas of a world, and in which of them robots start, in words."""
+"""The separate parts of a world, and in which of them robots start, in words."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ MIN_SHARE = 0.9
 """Share of free space; if the robots can reach less, the summary says so."""
 
 MAX_AREAS = 5
-"""Number of areas that are listed by size."""
+"""Number of parts that are listed by size."""
 
 
 def areas(environment: Environment) -> str:
-    """Return how many separate areas a world has, and how large they are.
+    """Return how many separate parts a world has, and how large they are.
 
     Examples
     --------
@@ -27,21 +27,21 @@ def areas(environment: Environment) -> str:
     >>> from multisrt.environments.environment import Environment
     >>> two = shapely.union_all([shapely.box(0, 0, 2, 2), shapely.box(3, 0, 6, 2)])
     >>> areas(Environment("two rooms", two))
-    '2 separate areas (6, 4 m2)'
+    '2 separate parts (6, 4 m2)'
     >>> areas(Environment("a room", shapely.box(0, 0, 2, 2)))
-    '1 area'
+    '1 part'
     """
     from multisrt.environments.pieces import pieces
 
     sizes = [piece.area for piece in pieces(environment)]
     if len(sizes) == 1:
-        return "1 area"
+        return "1 part"
     listed = ", ".join(f"{size:.4g}" for size in sizes[:MAX_AREAS])
-    return f"{len(sizes)} separate areas ({listed}{', ...' * (len(sizes) > MAX_AREAS)} m2)"
+    return f"{len(sizes)} separate parts ({listed}{', ...' * (len(sizes) > MAX_AREAS)} m2)"
 
 
 def around(environment: Environment) -> str:
-    """Return a note on the area of a world that lies around others; empty if there is none.
+    """Return a note on the part of a world that lies around others; empty if there is none.
 
     Examples
     --------
@@ -50,7 +50,7 @@ def around(environment: Environment) -> str:
     >>> wall = shapely.box(1, 1, 9, 9) - shapely.box(2, 2, 8, 8)
     >>> plan = Environment.from_outline("plan", shapely.box(0, 0, 10, 10), [wall])
     >>> around(plan)
-    'the area of 36 m2 lies around the others: it touches the border of the map'
+    'the part of 36 m2 lies around the others: it touches the border of the map'
     """
     from multisrt.environments.pieces import enclosing
 
@@ -58,26 +58,26 @@ def around(environment: Environment) -> str:
     if found is None:
         return ""
     return (
-        f"the area of {found.area.area:.4g} m2 lies around "
+        f"the part of {found.area.area:.4g} m2 lies around "
         f"{'the others' if len(found.inside) + 1 == len(environment.components) else 'others'}: "
         "it touches the border of the map"
     )
 
 
 def elsewhere(environment: Environment, start: Sequence[float]) -> str:
-    """Return a note if a team starts in a minor one of several areas; empty if it does not.
+    """Return a note if a team starts in a minor one of several parts; empty if it does not.
 
     Parameters
     ----------
     environment : Environment
         The world.
     start : (x, y, ...)
-        Where a robot starts, in metres; all robots of a team start in the same area.
+        Where a robot starts, in metres; all robots of a team start in the same part.
 
     Returns
     -------
     str
-        How many areas there are, which of them is that of the team, whether it lies around the
+        How many parts there are, which of them is that of the team, whether it lies around the
         others, and where the largest of those is.
 
     Examples
@@ -87,7 +87,7 @@ def elsewhere(environment: Environment, start: Sequence[float]) -> str:
     >>> two = shapely.union_all([shapely.box(0, 0, 2, 2), shapely.box(3, 0, 6, 2)])
     >>> rooms = Environment("two rooms", two)
     >>> elsewhere(rooms, (1.0, 1.0, 0.0)).partition("; ")[0]
-    'free space has 2 separate areas (6, 4 m2), and the start is in that of 4 m2 (40 %)'
+    'free space has 2 separate parts (6, 4 m2), and the start is in that of 4 m2 (40 %)'
     >>> elsewhere(rooms, (1.0, 1.0, 0.0)).partition("; ")[2]
     'the largest has 6 m2, e.g. at (4.50, 1.00)'
     """

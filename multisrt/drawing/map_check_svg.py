@@ -33,18 +33,18 @@ MAX_MARKED: Final = 12
 """Number of passages that are marked besides those that the body does not pass."""
 
 MAX_BLOCKED: Final = 60
-"""Number of passages that are marked of those that the body does not pass."""
+"""Maximum number of marked passages that the body does not pass."""
 
 APART_MM: Final = 11.0
-"""Least distance of the widths that are written."""
+"""Minimum distance between the widths that are written, in millimetres."""
 
 
 def map_check_svg(check: MapCheck) -> str:
     """Return a picture of how a world suits a body.
 
-    Areas that the body does not get to are hatched upwards, parts that are separate from the one
-    that is explored downwards. Narrow passages are marked with their width: those that the body
-    does not pass, and the narrowest others.
+    Areas out of reach of the body are hatched upwards, parts separate from the main part downwards.
+    Narrow passages are marked with their widths: those that the body does not pass, and the
+    narrowest others.
 
     Parameters
     ----------
@@ -71,8 +71,8 @@ def map_check_svg(check: MapCheck) -> str:
         [
             world.name,
             f"{length(x1 - x0)} x {length(y1 - y0)}, {length(world.area_m2)}² free",
-            f"{check.footprint} gets to {100.0 * check.reached_share:.3g} % of the part that is "
-            f"explored; discs up to {length(check.largest.radius_m)} in radius get to "
+            f"{check.footprint} reaches {100.0 * check.reached_share:.3g} % of the main part; "
+            f"discs up to {length(check.largest.radius_m)} in radius reach "
             f"{100.0 * check.share:.3g} %",
         ],
         description=f"A check of a world. Origin: {world.origin or 'not known'}.",

@@ -1,4 +1,4 @@
-"""Messages as bytes in CDR, the format of ROS 2: little-endian, aligned to their own size."""
+"""Messages as bytes in CDR, the encoding of ROS 2: little-endian, aligned by size."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from typing import Final
 import numpy as np
 
 HEADER: Final = b"\x00\x01\x00\x00"
-"""Says that plain CDR in little-endian order follows. Alignment counts from its end."""
+"""Header of plain CDR in little-endian order. Alignment counts from its end."""
 
 _UINT32 = Struct("<I")
 
 
 class CdrWriter:
-    """Writes the fields of one message, in their order.
+    """Writer of the fields of one message, in their order.
 
     Examples
     --------
@@ -38,7 +38,7 @@ class CdrWriter:
         form : struct.Struct
             Their types; begins with ``<``.
         size : int
-            Size in bytes of the first, which is not smaller than those of the others.
+            Size in bytes of the first number, which must not be smaller than the others.
         *values : number
             The numbers.
         """
@@ -46,7 +46,7 @@ class CdrWriter:
         self._written += form.pack(*values)
 
     def text(self, text: str) -> None:
-        """Write a text; characters of code 0, which would end it, are left out."""
+        """Write a string; null characters, which would end it, are left out."""
         encoded = text.replace("\0", "").encode(errors="replace")
         self.count(len(encoded) + 1)
         self._written += encoded + b"\0"
@@ -57,7 +57,7 @@ class CdrWriter:
         self._written += _UINT32.pack(number)
 
     def array(self, values: np.ndarray) -> None:
-        """Write the elements of an array of numbers, without their number."""
+        """Write the elements of an array of numbers, without their count."""
         if values.size:
             self._align(values.dtype.itemsize)
             ordered = values.astype(values.dtype.newbyteorder("<"), copy=False)

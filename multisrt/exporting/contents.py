@@ -1,4 +1,4 @@
-"""What of a run is shown: the same things in all formats.
+"""Contents of an exported run, which are the same in all formats.
 
 All positions are in metres in the frame of the environment, angles in radians counter-clockwise
 from +x.
@@ -14,12 +14,12 @@ from multisrt.exporting.grids import Cells
 from multisrt.geometry.numerics.arrays import FloatArray
 
 State = Literal["not started", "on", "silent", "dead"]
-"""State of a robot: switched off before a late start, exploring or done, without radio, dead."""
+"""State of a robot: waiting for a late start, exploring or done, without radio, dead."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Placed:
-    """Where a robot is: `pose` (x, y, heading); headings are not wrapped."""
+    """Pose of a robot (x, y, heading); headings are not wrapped."""
 
     robot: int
     pose: Pose
@@ -27,7 +27,7 @@ class Placed:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Body:
-    """The body of a robot is in another state than before, or is shown first."""
+    """Change of the state of a robot's body, or its first state."""
 
     robot: int
     state: State
@@ -42,7 +42,7 @@ class Truth:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class KnownMap:
-    """The map of a robot: cells, and the centres of frontier cells, ``(n, 2)``."""
+    """The map of a robot: its cells, and the centres of its frontier cells, ``(n, 2)``."""
 
     robot: int
     cells: Cells
@@ -60,7 +60,7 @@ class Tree:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Way:
-    """A motion that a robot begins: time (s), x, y, heading of points on it, ``(n, 4)``."""
+    """A motion that a robot begins: time (s), x, y, heading at points on it, ``(n, 4)``."""
 
     robot: int
     points: FloatArray
@@ -68,14 +68,14 @@ class Way:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Links:
-    """The radio links that hold: x, y of the two robots of each, ``(n, 4)``."""
+    """The working radio links: x, y of both robots of each, ``(n, 4)``."""
 
     lines: FloatArray
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Said:
-    """A decision of a robot, or what was not planned, in one line of words."""
+    """A decision of a robot, or an unplanned event (`is_trouble`), as text in one line."""
 
     robot: int
     text: str

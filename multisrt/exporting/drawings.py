@@ -1,4 +1,4 @@
-"""Maps as drawings of polygons: SVG, and DXF for programs of computer-aided design."""
+"""Maps as drawings of polygons: SVG, and DXF for CAD programs."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from multisrt.exporting.polygon_text import digits, printable
 from multisrt.extras import extra
 
 OUTLINE, OBSTACLES, STARTS = "OUTLINE", "OBSTACLES", "STARTS"
-"""Layers of a DXF file: rings around free space, rings around obstacles in it, and points."""
+"""Layers of a DXF file: rings around free space, rings around obstacles in it, and starts."""
 
 LAYER_COLOURS: Final = {OUTLINE: 7, OBSTACLES: 1, STARTS: 3}
 """Colours of the layers by their number in AutoCAD: black or white, red, green."""
@@ -86,8 +86,8 @@ def dxf_bytes(environment: Environment) -> bytes:
 
     Rings are closed LWPOLYLINE entities: those around free space on the layer `OUTLINE`, those
     around obstacles on the layer `OBSTACLES`; an obstacle around another component of free space is
-    cut into several rings. Suggested starts are POINT entities on the layer
-    `STARTS`, in their order. Coordinates have all digits.
+    cut into several rings. Suggested starts are POINT entities on the layer `STARTS`, in their
+    order. Coordinates have all digits.
 
     Parameters
     ----------
@@ -134,7 +134,7 @@ def dxf_bytes(environment: Environment) -> bytes:
 
 
 def _obstacle_rings(parts: Iterable[Polygon]) -> list[LinearRing]:
-    """Return rings around obstacles; one with free space inside is cut into several without."""
+    """Return rings around obstacles; an obstacle with free space inside is cut into several."""
     outlines = [Polygon(part.exterior) for part in parts]
     rings: list[LinearRing] = []
     for hole in (Polygon(ring) for part in parts for ring in part.interiors):
@@ -155,7 +155,7 @@ def _obstacle_rings(parts: Iterable[Polygon]) -> list[LinearRing]:
 
 
 def _halves(polygon: Polygon) -> list[BaseGeometry]:
-    """Return the parts of a polygon on both sides of the middle of one of its holes."""
+    """Return a polygon cut at an upright line through the middle of one of its holes."""
     x0, y0, x1, y1 = polygon.bounds
     low, _, high, _ = polygon.interiors[0].bounds
     middle = 0.5 * (low + high)
@@ -165,7 +165,7 @@ def _halves(polygon: Polygon) -> list[BaseGeometry]:
 
 @contextmanager
 def _constant_metadata() -> Iterator[None]:
-    # The only way that ezdxf offers to leave out the time of writing and random identifiers.
+    # ezdxf has no other way to leave out the time of writing and random identifiers.
     import ezdxf
 
     with _OPTIONS_LOCK:

@@ -1,4 +1,4 @@
-"""Writing a run in a format of other programs, chosen by the suffix of the file."""
+"""Export of a whole run for viewers, in a format chosen by the suffix of the file."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from multisrt.exporting.written import require_suffix
 from multisrt.recording import Recording, atomic_write
 
 Progress = Callable[[float], None]
-"""Takes the share that is done, from 0 to 1."""
+"""Takes the share of the work that is done, from 0 to 1."""
 
 FORMATS: Final = {
     ".mcap": "MCAP with messages of ROS 2, for Foxglove and 'ros2 bag'",
     ".rrd": "rerun",
 }
-"""What is written, by the suffix of the file."""
+"""Descriptions of the formats by suffix."""
 
 
 def export_run(
@@ -33,17 +33,17 @@ def export_run(
     environment: Environment | None = None,
     progress: Progress | None = None,
 ) -> None:
-    """Write a run as a file that other programs show.
+    """Write a run to a file for viewers such as Foxglove, rviz2 and rerun.
 
     Parameters
     ----------
     recording : Recording
         The run.
     path : str or Path
-        The file, whose suffix says the format: ``.mcap`` or ``.rrd``. It is written completely or
-        not at all, and replaced if it exists.
+        The file, whose suffix determines the format: ``.mcap`` or ``.rrd``. It is written
+        completely or not at all, and replaced if it exists.
     options : ExportOptions, optional
-        What is left out, and how densely the run is sampled.
+        Layers that are left out, and how densely the run is sampled.
     environment : Environment, optional
         Its world; by default it is built from the recording.
     progress : callable, optional
@@ -55,7 +55,7 @@ def export_run(
         If the suffix is another one, the file cannot be written, the recording contradicts
         itself, or there would be too many poses or cells.
     MissingExtraError
-        If a package is not installed that the format needs.
+        If a package that the format needs is not installed.
 
     Examples
     --------

@@ -1,7 +1,7 @@
 """Maps as grids: what robots know, and the truth, on one lattice of cells.
 
-A cell of a map is free if its centre lies in a region that the robot knows, and occupied if a
-surface that was seen passes through it, as in `multisrt.geometry.grids.occupancy`.
+A cell of a map is free if its centre lies in a region that the robot knows, and occupied if an
+observed surface passes through it, as in `multisrt.geometry.grids.occupancy`.
 """
 
 from __future__ import annotations
@@ -40,10 +40,10 @@ DEFAULT_CELL_M: Final = 0.1
 """Width of a cell in metres, unless the world is too large for it."""
 
 MAX_DEFAULT_CELLS: Final = 1_000_000
-"""Cells of a map up to which the width of a cell is not doubled."""
+"""Number of cells of a map above which the default width of a cell is doubled."""
 
 MAX_CELLS: Final = 400_000_000
-"""Bound of the cells of all maps of a team together."""
+"""Upper bound of the cells of all maps of a team together."""
 
 _VALUES: Final = np.full(3, UNKNOWN_CELL, np.int8)
 _VALUES[FREE], _VALUES[OCCUPIED] = FREE_CELL, OCCUPIED_CELL
@@ -57,7 +57,7 @@ class Grid(NamedTuple):
     cell_m : float
         Width of a cell in metres.
     bounds : (x0, y0, x1, y1)
-        What its cells cover at least, in metres.
+        The rectangle that its cells cover at least, in metres.
     x0, y0 : float
         Lower left corner of the first cell in metres.
     rows, columns : int
@@ -105,7 +105,7 @@ def grid_of(recording: Recording, environment: Environment, options: ExportOptio
             f"maps of {cells} cells for {robots} robots are more than {MAX_CELLS} cells: choose "
             f"cells wider than {cell_m:g} m"
         )
-    # With room for the margin that an occupancy keeps around regions, so that it never grows.
+    # With room for the margin that an occupancy keeps around regions, so that it never has to grow.
     beyond_m = 3.0 * cell_m
     bounds = float(x0 - beyond_m), float(y0 - beyond_m), float(x1 + beyond_m), float(y1 + beyond_m)
     held = Occupancy(cell_m, cell_m, bounds)
@@ -113,7 +113,7 @@ def grid_of(recording: Recording, environment: Environment, options: ExportOptio
 
 
 def truth_of(environment: Environment, grid: Grid) -> Cells:
-    """Return the true world as cells: what is not free is occupied, and no cell is unknown."""
+    """Return the true world as cells; every cell is free or occupied."""
     walls, free = grid.empty(), np.zeros((grid.rows, grid.columns), np.bool_)
     for part in environment.free.geoms:
         for ring in (part.exterior, *part.interiors):
@@ -156,7 +156,7 @@ class ShownRegions:
     """The regions that robots came to know by the events of a run.
 
     These are the regions of the nodes that a robot made, and of those that it learned of; for a
-    robot that notes no nodes, what its scans showed.
+    robot that records no nodes, the regions that its scans showed.
 
     Parameters
     ----------

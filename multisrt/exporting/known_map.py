@@ -1,4 +1,4 @@
-"""What a robot of a run, or the team, knew of the world at some time."""
+"""The map that a robot of a run, or the team, had at some time."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from multisrt.geometry.regions.safe_region import LocalSafeRegion
 from multisrt.recording import Recording
 
 GRID_M = 1e-6
-"""Corners of known space are rounded to multiples of this, so that regions join without gaps."""
+"""Grid in metres to which known space is rounded, so that regions join without gaps."""
 
 
 def known_map(
@@ -35,7 +35,7 @@ def known_map(
     """Return the free space that a robot of a run, or the team, knew at some time.
 
     It is the union of the regions of the nodes that the robot made, and of those that it learned
-    of; for a robot that notes no nodes, what its scans showed.
+    of; for a robot that records no nodes, the area that its scans showed.
 
     Parameters
     ----------
@@ -51,8 +51,8 @@ def known_map(
     Returns
     -------
     Environment
-        The known free space, with those starts of robots of the run that lie in it. Its outline
-        consists of surfaces that were seen and of the borders to the unknown.
+        The known free space, with the starts of the robots that lie in it as suggested starts. Its
+        boundary consists of observed surfaces and of borders to unknown space.
 
     Raises
     ------
@@ -102,7 +102,7 @@ def known_content(
     for event in recording.events:
         if nanoseconds(event.time_s) <= until and robot in (None, event.robot):
             for region in shown.by(event):
-                found.setdefault(id(region), region)  # one object, however many know it
+                found.setdefault(id(region), region)  # shared by all robots that know it
     regions = tuple(found.values())
     who = "the team" if robot is None else f"robot {robot}"
     when = "" if time_s is None else f" at {time_s:g} s"

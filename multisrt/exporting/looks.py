@@ -27,7 +27,7 @@ OFF: Final = _rgba("#c9c9c9")
 DEAD: Final = _rgba(INK)
 
 SILENT_OPACITY: Final = 0.4
-"""Opacity of the body of a robot whose radio does not work."""
+"""Opacity of the body of a robot whose radio is silent."""
 
 
 def colour_of(robot: int) -> Colour:
@@ -51,7 +51,7 @@ def body_colour(robot: int, state: State) -> Colour:
 
 
 def outline_of(footprint: str) -> FloatArray:
-    """Return the corners of a body in its own frame, ``(n, 2)``, counter-clockwise."""
+    """Return the corners of a body in its own frame in metres, ``(n, 2)``, counter-clockwise."""
     return Footprint.parse(footprint).vertices
 
 
@@ -64,7 +64,7 @@ def triangles_of(outline: FloatArray) -> FloatArray:
     >>> triangles_of(square).shape
     (6, 2)
     """
-    corners = np.array(outline, np.float64)  # writeable, as the triangulation asks
+    corners = np.array(outline, np.float64)  # the triangulation needs a writeable array
     indices = triangulate_float64(corners, np.array([len(corners)], np.uint32))
     triangles = corners[indices].reshape(-1, 3, 2)
     (ax, ay), (bx, by) = (triangles[:, k].T - triangles[:, 0].T for k in (1, 2))

@@ -1,4 +1,4 @@
-"""What a map shows: a true world, or what robots knew of it at some time."""
+"""Content of a map: a true world, or what robots knew of it at some time."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ MIN_CELL_M, MAX_CELL_M = 1e-3, 1e3
 """Bounds of the width of a cell, in metres."""
 
 SURFACE_M = 1e-4
-"""Distance within which an edge of known space lies on a surface, in metres."""
+"""Distance up to which an edge of known space counts as lying on a surface, in metres."""
 
 MIN_LENGTH_M, MAX_LENGTH_M = 1e-2, 1e3
 """Bounds of the height and thickness of walls, in metres."""
@@ -29,18 +29,18 @@ MIN_LENGTH_M, MAX_LENGTH_M = 1e-2, 1e3
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MapOptions:
-    """How a map is written; each format takes what it needs.
+    """Options for writing maps; each format uses those that it needs.
 
     Attributes
     ----------
     cell_m : float or None
-        Width of a pixel of a grid, in metres; None: 0.05 m, doubled until a map has at most 16
-        million pixels.
+        Width of a cell of a grid, in metres. By default 0.05 m, doubled until a map has at most 16
+        million cells.
     height_m : float
         Height of the walls of solids, in metres.
     thickness_m : float
-        Thickness of walls of which one side is known only, such as the outline of a world, in
-        metres.
+        Thickness in metres of walls of which only one side is known, such as the outline of a
+        world.
 
     Raises
     ------
@@ -58,15 +58,16 @@ class MapOptions:
     thickness_m: float = 0.1
 
     def __post_init__(self) -> None:
-        # Comparisons are such that not-a-number is refused.
+        # Written so that NaN is refused, too.
         if self.cell_m is not None and not MIN_CELL_M <= self.cell_m <= MAX_CELL_M:
             raise InvalidInputError(
-                f"cells of maps are {MIN_CELL_M:g} to {MAX_CELL_M:g} m wide, not {self.cell_m:g}"
+                f"cells of maps must be {MIN_CELL_M:g} to {MAX_CELL_M:g} m wide, "
+                f"not {self.cell_m:g}"
             )
         for what, length_m in (("height", self.height_m), ("thickness", self.thickness_m)):
             if not MIN_LENGTH_M <= length_m <= MAX_LENGTH_M:
                 raise InvalidInputError(
-                    f"the {what} of walls is {MIN_LENGTH_M:g} to {MAX_LENGTH_M:g} m, "
+                    f"the {what} of walls must be {MIN_LENGTH_M:g} to {MAX_LENGTH_M:g} m, "
                     f"not {length_m:g}"
                 )
 
@@ -97,9 +98,9 @@ class Line:
     Attributes
     ----------
     layer : {"edges", "paths"}
-        What it is: edges of a tree, or the path of a robot.
+        Edges of a tree, or the path of a robot.
     robot : int
-        Whose it is.
+        Number of the robot, from 0.
     pieces : MultiLineString
         Its course, in metres.
     """
@@ -111,15 +112,15 @@ class Line:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class MapContent:
-    """What a map shows.
+    """Content of a map.
 
     Attributes
     ----------
     environment : Environment
-        The free space that is known, its name and the starts in it.
+        The known free space, with its name and the starts in it.
     regions : tuple of LocalSafeRegion or None
-        The regions that are known, of which free space is the union; None: the true world, of
-        which nothing is unknown.
+        The known regions, of which free space is the union. None for the true world, of which
+        nothing is unknown.
     lines : tuple of Line
         Trees and paths, for solids.
     """
@@ -129,7 +130,7 @@ class MapContent:
     lines: tuple[Line, ...] = field(default=())
 
     def surfaces(self) -> BaseGeometry:
-        """Return those edges of the known free space that are surfaces seen, as lines in metres."""
+        """Return the edges of known free space that are observed surfaces, as lines in metres."""
         assert self.regions is not None
         seen: list[FloatArray] = []
         for region in self.regions:

@@ -21,7 +21,7 @@ FREE_THRESH: Final = 0.196
 
 
 def map_server_files(content: MapContent, path: Path, options: MapOptions) -> dict[Path, bytes]:
-    """Return a map as the files of the map server: the YAML file, and beside it the image.
+    """Return a map as the files of the map server: a YAML file, and an image beside it.
 
     Parameters
     ----------
@@ -30,7 +30,7 @@ def map_server_files(content: MapContent, path: Path, options: MapOptions) -> di
     path : Path
         The YAML file; the image has the same name with the suffix ``.pgm``.
     options : MapOptions
-        The width of a pixel.
+        Width of a pixel.
 
     Raises
     ------
@@ -65,6 +65,6 @@ def pgm_bytes(raster: Raster) -> bytes:
 
 
 def _decimal(value: float) -> str:
-    """Return a number with a point and without an exponent, which YAML 1.1 takes for text."""
+    """Return a number with a point and no exponent, since YAML 1.1 reads one as text."""
     text = f"{value:.9f}".rstrip("0")
     return "0.0" if float(text) == 0.0 else text + "0" * text.endswith(".")

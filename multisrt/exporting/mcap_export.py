@@ -47,7 +47,7 @@ LINK_M, EDGE_M, TREE_NODE_M = 0.03, 0.05, 0.15
 """Width of lines, and diameter of nodes, in metres."""
 
 LINK_HEIGHT_M, TREE_HEIGHT_M, FRONTIER_HEIGHT_M, BODY_HEIGHT_M = 0.02, 0.04, 0.06, 0.1
-"""Heights above the map: what is higher covers what is lower."""
+"""Heights above the map in metres: higher elements cover lower ones."""
 
 LABEL_HEIGHT_M: Final = 0.4
 """Height of the letters of the number of a robot, in metres."""
@@ -61,13 +61,13 @@ def write_mcap(
     Parameters
     ----------
     file : binary file
-        Where to write.
+        File to write to.
     recording : Recording
         The run.
     grid : Grid
         The lattice of its maps.
     contents : iterable of Moment
-        Its contents, in the order of time.
+        Its contents, in order of time.
 
     Raises
     ------
@@ -98,7 +98,7 @@ class _Scene:
         self._outlines = [outline_of(robot.footprint) for robot in recording.spec.robots]
 
     def messages(self, now: int, content: Content) -> list[tuple[Topic, bytes]]:
-        """Return the messages of a content, with their topics."""
+        """Return the messages of a content with their topics."""
         match content:
             case Placed(robot=robot, pose=pose):
                 frame = f"robot_{robot}/base_link"

@@ -1,8 +1,8 @@
 """MCAP files of the ROS 2 profile, as Foxglove and `ros2 bag` read them.
 
-The container is written by the package mcap. Messages are encoded here and not by its companion
-mcap-ros2-support, which takes 35 ms for a map of 100,000 cells, number by number (0.1 ms here), and
-cannot write the quality of service of a topic.
+The container is written by the package mcap. Messages are encoded here, since its companion
+mcap-ros2-support takes 35 ms for a map of 100,000 cells (0.1 ms here), and cannot write the quality
+of service of a topic.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ from multisrt.exporting.ros_definitions import definition_of
 from multisrt.extras import extra
 
 BAG_VERSION: Final = 5
-"""Version of the metadata of `ros2 bag`, of which all releases since ROS 2 Humble read this one."""
+"""Version of the metadata of `ros2 bag`, which all releases since ROS 2 Humble read."""
 
 INFINITE: Final = {"sec": 9223372036, "nsec": 854775807}
-"""A time without end, in the quality of service of a topic."""
+"""Infinite duration, in the quality of service of a topic."""
 
 
 class Topic(NamedTuple):
@@ -33,7 +33,7 @@ class Topic(NamedTuple):
     kind : str
         Type of its messages, a key of `DEFINITIONS`.
     latched : bool
-        Whether who subscribes late is sent the last message (durability `transient local`).
+        Whether late subscribers receive the last message (durability `transient local`).
     """
 
     name: str
@@ -47,7 +47,7 @@ class McapFile:
     Parameters
     ----------
     file : binary file
-        Where to write.
+        File to write to.
 
     Raises
     ------
@@ -66,7 +66,7 @@ class McapFile:
         self._first = self._last = 0
 
     def write(self, topic: Topic, now: int, message: bytes) -> None:
-        """Write a message; `now`, in nanoseconds, never falls."""
+        """Write a message; `now`, in nanoseconds, must not decrease."""
         if topic not in self._channels:
             self._channels[topic] = self._channel(topic)
             self._counts[topic] = 0
@@ -77,7 +77,7 @@ class McapFile:
         self._last = now
 
     def close(self, about: dict[str, str]) -> None:
-        """Write the index, and what the file is about; the file itself stays open."""
+        """Write the metadata and the index; the file itself stays open."""
         self._writer.add_metadata("multisrt", about)
         # What `ros2 bag` adds to its own files; without it newer releases misread the topics.
         text = yaml.safe_dump(self._bag_metadata(), sort_keys=False)
@@ -115,7 +115,7 @@ class McapFile:
             ],
             "compression_format": "",
             "compression_mode": "",
-            # The readers fill in the file itself.
+            # Readers fill these in.
             "relative_file_paths": [],
             "files": [],
         }
@@ -134,4 +134,4 @@ def _quality(topic: Topic) -> str:
         "liveliness_lease_duration": INFINITE,
         "avoid_ros_namespace_conventions": False,
     }
-    return json.dumps([profile])  # JSON is YAML, without anchors for what repeats
+    return json.dumps([profile])  # JSON is YAML without anchors

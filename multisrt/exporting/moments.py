@@ -1,4 +1,4 @@
-"""The contents of a run in the order of time."""
+"""The contents of a run in order of time."""
 
 from __future__ import annotations
 
@@ -50,25 +50,25 @@ from multisrt.simulation.radio import links_hold
 from multisrt.spec import LateStart
 
 STANDING_HZ: Final = 1.0
-"""Poses of a robot that stands, and links, per second, if poses are not rarer."""
+"""Upper bound of the rate of links and of poses of a standing robot, in hertz."""
 
 ROUNDING_S: Final = 1e-6
-"""Times that differ by less are one, in seconds."""
+"""Tolerance of times, in seconds."""
 
 MAX_SAMPLES: Final = 50_000_000
-"""Bound of the number of poses of all robots."""
+"""Upper bound of the number of poses of all robots."""
 
 MAX_END_S: Final = 2e9
-"""Bound of the length of a run in seconds: later times may not fit into stamps of ROS."""
+"""Upper bound of the length of a run in seconds: later times may not fit into ROS stamps."""
 
 Moment = tuple[int, Content]
-"""Nanoseconds since the start of the run, and what is shown then."""
+"""Nanoseconds since the start of the run, and the content that is shown from then on."""
 
 
 def moments(
     recording: Recording, environment: Environment, grid: Grid, options: ExportOptions
 ) -> Iterator[Moment]:
-    """Yield what is shown of a run, in the order of time.
+    """Yield the contents of a run in order of time.
 
     Parameters
     ----------
@@ -79,12 +79,12 @@ def moments(
     grid : Grid
         The lattice of its maps.
     options : ExportOptions
-        What is left out, and how often the rest is shown.
+        Layers that are left out, and the sampling rates.
 
     Yields
     ------
     Moment
-        Nanoseconds since the start of the run, and what is shown then.
+        Nanoseconds since the start of the run, and a content.
 
     Raises
     ------
@@ -97,9 +97,9 @@ def moments(
         ("bodies", lambda: _bodies(recording)),
         ("maps", lambda: _known_maps(recording, environment, grid, options)),
         ("nodes edges", lambda: _trees(recording, absent)),
-        ("paths", lambda: _in_order(_ways(recording))),
+        ("paths", lambda: _in_order(_motions(recording))),
         ("links", lambda: _links(recording, environment, options)),
-        ("decisions", lambda: _in_order(_said(recording))),
+        ("decisions", lambda: _in_order(_decisions(recording))),
     )
     sources: tuple[Iterable[Moment], ...] = (
         [(0, Truth(truth_of(environment, grid)))],
@@ -110,7 +110,7 @@ def moments(
     return heapq.merge(*sources, key=lambda moment: moment[0])
 
 
-def _said(recording: Recording) -> Iterator[Moment]:
+def _decisions(recording: Recording) -> Iterator[Moment]:
     for note in notes(recording):
         yield nanoseconds(note.time_s), Said(note.robot, note.text, note.is_trouble)
 
@@ -151,7 +151,7 @@ def _by_time(recording: Recording) -> list[tuple[int, AnyEvent]]:
 
 
 def _ticks(end_s: float, interval_s: float) -> Iterator[float]:
-    # From 0 to the end, which is a tick of its own.
+    # From 0 to the end, which is always a tick.
     yield from (k * interval_s for k in range(math.ceil(end_s / interval_s)))
     yield end_s
 
@@ -232,7 +232,7 @@ def _trees(recording: Recording, absent: frozenset[str]) -> Iterator[Moment]:
         yield now, Tree(event.robot, _rows(shown, 2), _rows(joined, 4))
 
 
-def _ways(recording: Recording) -> Iterator[Moment]:
+def _motions(recording: Recording) -> Iterator[Moment]:
     for motion in recording.of(Motion):
         yield nanoseconds(motion.time_s), Way(motion.robot, course_of(motion))
 

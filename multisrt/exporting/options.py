@@ -1,4 +1,4 @@
-"""What of a run is exported, and how often."""
+"""Options for exporting a run: layers and sampling rates."""
 
 from __future__ import annotations
 
@@ -23,17 +23,17 @@ MIN_CELL_M, MAX_CELL_M = 1e-3, 1e3
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ExportOptions:
-    """What of a run is exported for other programs, and how densely it is sampled.
+    """Options for exporting a run to other programs: layers and sampling rates.
 
     Attributes
     ----------
     rate_hz : float
-        Poses of a robot that moves, per second. Every waypoint is a pose besides, and a robot
-        that stands has one each second, or at this rate if it is lower.
+        Poses of a moving robot per second, in addition to its waypoints. A standing robot has one
+        each second, or at this rate if it is lower.
     map_interval_s : float
-        Time between two maps of a robot, in seconds. A map that has not changed is left out.
+        Time between two maps of a robot, in seconds. Unchanged maps are left out.
     cell_m : float or None
-        Width of a cell of the maps, in metres; None: 0.1 m, doubled until a map has at most a
+        Width of a cell of the maps, in metres. By default 0.1 m, doubled until a map has at most a
         million cells.
     without : tuple of str
         Layers to leave out: names of `multisrt.drawing.layers.PICTURES` of an export.
@@ -55,18 +55,20 @@ class ExportOptions:
     without: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        # Comparisons are such that not-a-number is refused.
+        # Written so that NaN is refused, too.
         if not 0.0 < self.rate_hz <= MAX_RATE_HZ:
             raise InvalidInputError(
-                f"the rate of poses is above 0 and at most {MAX_RATE_HZ:g} Hz, not {self.rate_hz:g}"
+                f"the rate of poses must be above 0 and at most {MAX_RATE_HZ:g} Hz, "
+                f"not {self.rate_hz:g}"
             )
         if not MIN_INTERVAL_S <= self.map_interval_s <= MAX_S:
             raise InvalidInputError(
-                f"the interval of maps is from {MIN_INTERVAL_S:g} to {MAX_S:g} s, "
+                f"the interval of maps must be from {MIN_INTERVAL_S:g} to {MAX_S:g} s, "
                 f"not {self.map_interval_s:g}"
             )
         if self.cell_m is not None and not MIN_CELL_M <= self.cell_m <= MAX_CELL_M:
             raise InvalidInputError(
-                f"cells of maps are {MIN_CELL_M:g} to {MAX_CELL_M:g} m wide, not {self.cell_m:g}"
+                f"cells of maps must be {MIN_CELL_M:g} to {MAX_CELL_M:g} m wide, "
+                f"not {self.cell_m:g}"
             )
         left_out(self.without, "export")

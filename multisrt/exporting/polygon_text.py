@@ -1,4 +1,4 @@
-"""Worlds as text of polygons: well-known text and GeoJSON, with all digits of coordinates."""
+"""Worlds as polygons in text: well-known text and GeoJSON, with all digits of coordinates."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from multisrt.geometry.errors import InvalidInputError
 def wkt_bytes(environment: Environment) -> bytes:
     r"""Return the free space of a world as a MULTIPOLYGON of well-known text, in metres.
 
-    Suggested starts have no place in it. Coordinates have the fewest digits that give the same
-    numbers when they are read, also the sign of a zero.
+    The format cannot hold suggested starts. Coordinates have the fewest digits from which the same
+    numbers are read, including the sign of a zero.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ def _ring(ring: LinearRing) -> str:
 
 
 def digits(value: float) -> str:
-    """Return the shortest text of a number that is read as the same number."""
+    """Return the shortest text from which the same number is read."""
     return repr(value).removesuffix(".0")
 
 
@@ -56,7 +56,8 @@ def geojson_bytes(environment: Environment) -> bytes:
     """Return a world as a FeatureCollection of GeoJSON, in metres.
 
     Each component of free space is a Polygon of kind ``free`` whose holes are the obstacles, and
-    each suggested start a Point of kind ``start``, in their order: a feature in a line.
+    each suggested start a Point of kind ``start``, in their order. Each feature is on a line of its
+    own.
 
     Parameters
     ----------
@@ -96,12 +97,12 @@ def geojson_bytes(environment: Environment) -> bytes:
 def collection_bytes(
     name: str, features: Iterable[tuple[Mapping[str, Any], Mapping[str, Any]]]
 ) -> bytes:
-    """Return a FeatureCollection of GeoJSON, a feature in a line.
+    """Return a FeatureCollection of GeoJSON, with each feature on a line of its own.
 
     Parameters
     ----------
     name : str
-        What it shows.
+        Name of the collection.
     features : iterable of (properties, geometry)
         The features, as JSON.
     """
@@ -114,5 +115,5 @@ def collection_bytes(
 
 
 def printable(text: str) -> str:
-    """Return a text in one line, without the control characters that XML has no way to write."""
+    """Return a text without line breaks and control characters, which XML cannot hold."""
     return "".join(sign if sign.isprintable() else "\N{REPLACEMENT CHARACTER}" for sign in text)

@@ -1,4 +1,4 @@
-"""Maps as cells that a map server shows: free, occupied or unknown."""
+"""Maps as cells for a map server: free, occupied or unknown."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ DEFAULT_CELL_M: Final = 0.05
 """Width of a cell in metres, unless the map is too large for it."""
 
 MAX_DEFAULT_CELLS: Final = 16_000_000
-"""Cells of a map up to which the width of a cell is not doubled."""
+"""Number of cells of a map above which the default width of a cell is doubled."""
 
 MARGIN_CELLS: Final = 1
-"""Cells around what is known."""
+"""Number of cells of the margin around what is known."""
 
 ROUNDING_CELLS: Final = 1e-6
 """Lengths that differ by less than this many cells count as equal."""
@@ -45,8 +45,8 @@ def raster_of(content: MapContent, cell_m: float | None) -> Raster:
     Raster
         Its cells, with at least one more around what is known. Cells of a true world are free
         or occupied, as in `world_cells`, and their corners are at multiples of their width. Those
-        of what robots knew are free if their centre lies in a region, occupied if a surface that
-        was seen passes through them, and else unknown, as in `Occupancy`.
+        of what robots knew are free if their centre lies in a region, occupied if an observed
+        surface passes through them, and unknown otherwise, as in `Occupancy`.
 
     Raises
     ------
@@ -112,9 +112,9 @@ def world_cells(
 ) -> Cells:
     """Return a true world as cells, free or occupied.
 
-    A cell is free if its centre lies in free space. Of a wall that passes between the centres of
-    two neighbouring cells, the nearer cell is occupied. So the straight line between the centres
-    of any two free neighbours is free, and no wall opens, however thin it is.
+    A cell is free if its centre lies in free space. Where a wall passes between the centres of two
+    neighbouring cells, the nearer cell is occupied. The straight line between the centres of any
+    two free neighbours is therefore free, and no wall opens, however thin it is.
 
     Parameters
     ----------
@@ -123,7 +123,7 @@ def world_cells(
     cell_m : float
         Width of a cell in metres.
     first : (row, column)
-        The first cell, counted from the origin.
+        Lower left cell, counted in cells from the origin.
     shape : (rows, columns)
         Number of cells.
 
@@ -147,7 +147,7 @@ def world_cells(
 def _swept(
     edges: FloatArray, lines: FloatArray, centres: FloatArray
 ) -> tuple[BoolArray, BoolArray]:
-    """Return what the lines of constant y through centres of cells meet.
+    """Sweep free space along the lines of constant y through the centres of cells.
 
     Returns which centres are free, and which cells are nearest to the middle of an obstacle
     between two centres, both ``(lines, centres)``.
@@ -158,7 +158,7 @@ def _swept(
     which = np.repeat(np.arange(len(edges)), crossings)
     line = np.arange(len(which)) - np.repeat(np.cumsum(crossings) - crossings - low, crossings)
     x0, y0, x1, y1 = edges[which].T
-    # From the same end whichever way an edge runs.
+    # From the same end, whatever the direction of an edge.
     up = y0 < y1
     x0, y0, x1, y1 = (np.where(up, *ends) for ends in ((x0, x1), (y0, y1), (x1, x0), (y1, y0)))
     x = x0 + (lines[line] - y0) / (y1 - y0) * (x1 - x0)

@@ -1,4 +1,4 @@
-"""A run as a file of rerun, on the time line `sim_time`."""
+"""A run as a rerun file, on the timeline `sim_time`."""
 
 from __future__ import annotations
 
@@ -48,19 +48,19 @@ APPLICATION: Final = "multisrt"
 TIME_LINE: Final = "sim_time"
 
 MAX_MAP_VIEWS: Final = 16
-"""Robots up to which each map has a view of its own."""
+"""Maximum number of robots whose maps have views of their own."""
 
 LINE_M, NODE_M = 0.06, 0.15
 """Radius of lines and of nodes, in metres."""
 
 LINK_HEIGHT_M, TREE_HEIGHT_M, FRONTIER_HEIGHT_M, BODY_HEIGHT_M = 0.02, 0.04, 0.06, 0.1
-"""Heights above the map: what is higher covers what is lower."""
+"""Heights above the map in metres: higher elements cover lower ones."""
 
 FLUSH_S: Final = 1e9
-"""Time after which a chunk that is not full is written, in seconds: none."""
+"""Time after which an incomplete chunk is written, in seconds: practically never."""
 
 BATCH: Final = 4096
-"""Poses of a robot that are written at once."""
+"""Number of poses of a robot that are written at once."""
 
 
 def write_rerun(
@@ -70,12 +70,12 @@ def write_rerun(
     grid: Grid,
     contents: Iterable[Moment],
 ) -> None:
-    """Write a run as a file of rerun. No viewer is started, and nothing is sent anywhere.
+    """Write a run as a rerun file, without starting a viewer or sending anything.
 
     Parameters
     ----------
     path : Path
-        Where to write.
+        File to write to.
     recording : Recording
         The run.
     environment : Environment
@@ -83,7 +83,7 @@ def write_rerun(
     grid : Grid
         The lattice of its maps.
     contents : iterable of Moment
-        Its contents, in the order of time.
+        Its contents, in order of time.
 
     Raises
     ------
@@ -92,11 +92,11 @@ def write_rerun(
     InvalidInputError
         If the environment variable ``RERUN`` turns its recording off.
     OSError
-        If it cannot be written.
+        If the file cannot be written.
     """
     with extra("rerun", "a file of rerun"):
         import rerun as rr
-    # Chunks end by their size alone. Without properties, which hold the date.
+    # Chunks end only by size. Properties are left out, since they hold the date.
     batches = rr.ChunkBatcherConfig.DEFAULT()
     batches.flush_tick = FLUSH_S
     stream = rr.RecordingStream(
@@ -112,7 +112,7 @@ def write_rerun(
             )
         stream.set_log_time_enabled(False)
         stream.set_log_tick_enabled(False)
-        # Kept in memory: rerun's own writer may wait for ever when the disk is full.
+        # Kept in memory, since rerun's own writer may wait for ever when the disk is full.
         memory = stream.memory_recording()
         stream.send_blueprint(_blueprint(recording, environment), make_active=False)
         spec = recording.spec
@@ -154,7 +154,7 @@ class _Scene:
         self._log("world/walls", walls, static=True)
 
     def show(self, now: int, content: Content) -> None:
-        """Write a content, or keep it until there are enough of its kind."""
+        """Write a content, or keep a pose until there are enough of them."""
         rr = self._rr
         if isinstance(content, Placed):
             self._place(now, content)
@@ -200,7 +200,7 @@ class _Scene:
                 assert_never(content)
 
     def finish(self) -> None:
-        """Write what was kept."""
+        """Write the poses that were kept."""
         for robot in sorted(self._poses):
             self._send_poses(robot)
 

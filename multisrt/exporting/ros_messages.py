@@ -22,7 +22,7 @@ LINE_LIST, SPHERES, POINTS, TEXT, TRIANGLES = 5, 7, 8, 9, 11
 """Types of markers."""
 
 ADD, DELETE = 0, 2
-"""What is done with a marker."""
+"""Actions on markers."""
 
 INFO, WARN = 20, 30
 """Levels of logged messages."""
@@ -42,23 +42,23 @@ class Marker:
     Attributes
     ----------
     namespace : str
-        With it a marker replaces that of the same namespace before.
+        A marker replaces the one before it in the same namespace.
     kind : int
-        `LINE_LIST` etc.
+        Type: `LINE_LIST`, `SPHERES`, `POINTS`, `TEXT` or `TRIANGLES`.
     points : (n, 2) array
-        Metres, in the frame.
+        Points in metres, in the frame.
     colour : (red, green, blue, opacity)
         From 0 to 1.
     width_m : float
-        Width of lines, diameter of points.
+        Width of lines, diameter of points, height of letters.
     height_m : float
-        Height above the ground, which decides what covers what.
+        Height above the ground; higher markers cover lower ones.
     frame : str
-        The frame.
+        Frame of the points.
     locked : bool
         Whether it moves with the frame.
     text : str
-        What a marker of kind `TEXT` says, at its only point; its letters are `width_m` high.
+        Text of a marker of kind `TEXT`, shown at its only point.
     """
 
     namespace: str
@@ -93,7 +93,7 @@ def pose_stamped(now: int, pose: Pose) -> bytes:
 
 
 def transform(now: int, pose: Pose, child: str) -> bytes:
-    """Return a `tf2_msgs/TFMessage` with the pose of a frame in the fixed one."""
+    """Return a `tf2_msgs/TFMessage` with the pose of a frame in the fixed frame."""
     message = CdrWriter()
     message.count(1)
     _header(message, now, FIXED_FRAME)

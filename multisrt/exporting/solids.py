@@ -20,16 +20,16 @@ if TYPE_CHECKING:
     from trimesh import Trimesh
 
 GRID_M: Final = 1e-4
-"""Corners of solids are rounded to multiples of this, unless the world is far from the origin."""
+"""Grid in metres to which corners of solids are rounded, unless far from the origin."""
 
 MAX_GRID_M: Final = 1e-3
-"""Upper bound of that rounding."""
+"""Upper bound of that grid, in metres."""
 
 SINGLE_DIGITS: Final = 22
 """Binary digits of coordinates in single precision, as in these files, with one to spare."""
 
 MAX_CUTS: Final = 20
-"""Upper bound of how often points are looked for at which rings touch; one or two are enough."""
+"""Upper bound of the rounds that separate touching rings; one or two are usually enough."""
 
 FLOOR_M: Final = 0.02
 """Thickness of the floor, which lies below z = 0."""
@@ -48,15 +48,15 @@ def walls_of(content: MapContent, thickness_m: float) -> MultiPolygon:
     content : MapContent
         The map.
     thickness_m : float
-        Thickness of walls of which one side is known only, in metres.
+        Thickness in metres of walls of which only one side is known.
 
     Returns
     -------
     MultiPolygon
-        Of a true world: its obstacles, and a wall around each component. Of what robots knew: a
-        wall behind each surface that was seen; there is none between the known and the unknown.
-        Corners are rounded to `GRID_M`, and walls that touch at a point are separated there by a
-        square of four times that width.
+        For a true world, its obstacles and a wall around each component; for what robots knew, a
+        wall behind each observed surface, and none between known and unknown space. Corners are
+        rounded to `GRID_M`, and walls that touch at a point are separated there by a square of
+        four times that width.
 
     Raises
     ------
@@ -80,10 +80,10 @@ def walls_of(content: MapContent, thickness_m: float) -> MultiPolygon:
 
 
 def apart(area: BaseGeometry, grid_m: float) -> MultiPolygon:
-    """Return polygons with corners on a grid whose rings do not touch, at points neither.
+    """Return polygons with corners on a grid whose rings do not touch, not even at points.
 
-    A solid over rings that touch has an upright edge of four faces, and is not watertight. Where
-    rings touch, a square of four widths of the grid is cut out.
+    A solid over touching rings has an upright edge with four faces, and is not watertight. Where
+    rings touch, a square with a side of four grid widths is cut out.
     """
     # Rounding of slivers in GEOS divides by zero without consequence.
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -101,7 +101,7 @@ def apart(area: BaseGeometry, grid_m: float) -> MultiPolygon:
 def stl_bytes(content: MapContent, options: MapOptions) -> bytes:
     """Return the walls of a map as a binary STL file, with the trees and paths of its lines.
 
-    Coordinates are metres, z is up and the floor, which is left out, is at z = 0. Every solid is
+    Coordinates are metres, z is up; walls stand at z = 0, and there is no floor. Every solid is
     closed; ribbons of all robots are united.
 
     Parameters
@@ -122,7 +122,7 @@ def stl_bytes(content: MapContent, options: MapOptions) -> bytes:
     walls = walls_of(content, options.thickness_m)
     if walls.is_empty:
         raise InvalidInputError(
-            f"{content.environment.name!r}: no wall has been seen, so that there is no solid"
+            f"{content.environment.name!r}: no wall has been seen, so there is no solid"
         )
     solids = [_prism(walls, 0.0, options.height_m, "walls")]
     for layer in RIBBONS_M:
@@ -136,8 +136,8 @@ def stl_bytes(content: MapContent, options: MapOptions) -> bytes:
 def glb_bytes(content: MapContent, options: MapOptions) -> bytes:
     """Return a map as a binary glTF file: walls, floor, and the trees and paths of its lines.
 
-    Coordinates are metres. As glTF demands, y is up: a point (x, y, z) of the world is x, z, -y
-    in the file, which programs such as Blender turn back. The nodes are ``walls``, ``floor``,
+    Coordinates are metres. As glTF requires, y is up: a point (x, y, z) of the world is (x, z, -y)
+    in the file, which programs such as Blender rotate back. The nodes are ``walls``, ``floor``,
     ``robot_N_edges`` and ``robot_N_paths``; every solid is closed.
 
     Parameters
@@ -190,7 +190,7 @@ def _grid_m(content: MapContent) -> float:
     if grid_m > MAX_GRID_M:
         raise InvalidInputError(
             f"{content.environment.name!r} reaches {farthest_m:.0f} m from the origin, where "
-            "single precision has no millimetres: move it to the origin"
+            "single precision does not resolve millimetres: move it to the origin"
         )
     return grid_m
 
@@ -206,7 +206,7 @@ def _prism(area: MultiPolygon, z0: float, z1: float, what: str) -> Trimesh:
     """Return closed solids over polygons, between two heights."""
     from trimesh.creation import extrude_triangulation
 
-    # Triangles that share whole edges only: those of earcut can end at the middle of another's.
+    # Triangles must share whole edges; those of earcut may end in the middle of another's.
     triangles = shapely.get_parts(shapely.constrained_delaunay_triangles(area))
     corners = shapely.get_coordinates(triangles).reshape(-1, 4, 2)[:, :3]
     (ux, uy), (vx, vy) = ((corners[:, k] - corners[:, 0]).T for k in (1, 2))
@@ -214,7 +214,7 @@ def _prism(area: MultiPolygon, z0: float, z1: float, what: str) -> Trimesh:
     corners[clockwise] = corners[clockwise, ::-1]
     points, indices = np.unique(corners.reshape(-1, 2), axis=0, return_inverse=True)
     solid = extrude_triangulation(points, indices.reshape(-1, 3), z1 - z0)
-    # Rounded as in the files, so that what is checked is what is written.
+    # Rounded as in the files, so that the solid that is written is checked.
     levels = np.where(solid.vertices[:, 2] > 0.5 * (z1 - z0), z1, z0)
     solid.vertices = np.column_stack([solid.vertices[:, :2], levels]).astype(np.float32)
     expected = area.area * (z1 - z0)

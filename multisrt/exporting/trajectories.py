@@ -1,4 +1,4 @@
-"""Where robots were, as CSV, JSON and in the format of the TUM RGB-D benchmark."""
+"""Trajectories of robots as CSV, JSON and in the format of the TUM RGB-D benchmark."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ MAX_POSES: Final = 20_000_000
 """Upper bound of the number of poses of all robots."""
 
 COLUMNS: Final = ("robot", "time_s", "x_m", "y_m", "heading_rad", "motion", "purpose")
-"""Columns of the tables, as of `multisrt.analysis.run_tables.trajectories`."""
+"""Columns of the tables, those of `multisrt.analysis.run_tables.trajectories`."""
 
 TUM_HEADER: Final = "# timestamp tx ty tz qx qy qz qw"
 
 
 class PoseRow(NamedTuple):
-    """A pose of a robot: a waypoint, or a place between two of them; see `COLUMNS`."""
+    """A pose of a robot: a waypoint, or a pose between two waypoints; see `COLUMNS`."""
 
     robot: int
     time_s: float
@@ -45,7 +45,7 @@ class PoseRow(NamedTuple):
 def pose_rows(
     recording: Recording, *, robot: int | None = None, rate_hz: float | None = None
 ) -> list[PoseRow]:
-    """Return the waypoints of robots, and places between them.
+    """Return the waypoints of robots, and poses between them.
 
     Parameters
     ----------
@@ -54,13 +54,13 @@ def pose_rows(
     robot : int, optional
         The robot, from 0; by default all.
     rate_hz : float, optional
-        Poses per second of a robot that moves, at multiples of the period, besides its waypoints;
-        by default waypoints only.
+        Poses of a moving robot per second, at multiples of the period, in addition to its
+        waypoints; by default waypoints only.
 
     Returns
     -------
     list of PoseRow
-        By robot and time, with times that never fall; the first row of a robot is its start.
+        Sorted by robot, with times that never decrease; the first row of a robot is its start.
 
     Raises
     ------
@@ -82,7 +82,7 @@ def pose_rows(
         return rows
     if not 0.0 < rate_hz <= MAX_RATE_HZ:
         raise InvalidInputError(
-            f"the rate of poses is above 0 and at most {MAX_RATE_HZ:g} Hz, not {rate_hz:g}"
+            f"the rate of poses must be above 0 and at most {MAX_RATE_HZ:g} Hz, not {rate_hz:g}"
         )
     if recording.footer.time_s * rate_hz * len(recording.starts) > MAX_POSES:
         raise InvalidInputError(
@@ -116,32 +116,32 @@ def save_trajectories(
     rate_hz: float | None = None,
     overwrite: bool = False,
 ) -> list[Path]:
-    """Write where robots were.
+    """Write the trajectories of robots.
 
     Parameters
     ----------
     recording : Recording
         The run.
     path : str or Path
-        The file, whose suffix says the format: ``.csv``, ``.json``, or ``.tum`` or ``.txt`` for
-        the format of the TUM RGB-D benchmark, of which each robot has a file of its own. They are
-        written completely or not at all.
+        The file, whose suffix determines the format: ``.csv``, ``.json``, or ``.tum`` or ``.txt``
+        for the format of the TUM RGB-D benchmark, in which each robot has a file of its own. Files
+        are written completely or not at all.
     robot, rate_hz
         As for `pose_rows`.
     overwrite : bool, optional
-        Whether files that exist are replaced.
+        Whether existing files are replaced.
 
     Returns
     -------
     list of Path
-        The files. In the format of TUM, for all robots of a team, they have the number of the
-        robot at the end of their names: ``run-0.tum``, ``run-1.tum``.
+        The files. Those of a team in the TUM format have the numbers of the robots at the end of
+        their names: ``run-0.tum``, ``run-1.tum``.
 
     Raises
     ------
     InvalidInputError
         If the suffix is another one, there is no such robot, there would be too many poses, a file
-        exists and is not to be replaced, or it cannot be written.
+        exists and may not be replaced, or cannot be written.
 
     Examples
     --------
@@ -182,7 +182,7 @@ def csv_bytes(rows: Sequence[PoseRow]) -> bytes:
 
 
 def json_bytes(rows: Sequence[PoseRow]) -> bytes:
-    """Return poses as JSON: the columns' names, and for each robot its rows, one in a line.
+    """Return poses as JSON: the names of the columns, and the rows of each robot, one per line.
 
     Parameters
     ----------
@@ -208,8 +208,9 @@ def json_bytes(rows: Sequence[PoseRow]) -> bytes:
 def tum_bytes(rows: Sequence[PoseRow]) -> bytes:
     r"""Return the poses of one robot in the format of the TUM RGB-D benchmark.
 
-    A line has the time in seconds, the place in metres with z = 0, and the heading as a
-    quaternion. Times rise from line to line: of several poses at one nanosecond the last is kept.
+    Each line has the time in seconds, the position in metres with z = 0, and the heading as a
+    quaternion. Times are strictly increasing: of several poses within a nanosecond, the last is
+    kept.
 
     Parameters
     ----------
@@ -245,4 +246,4 @@ TRAJECTORY_FORMATS: Final = {
     ".tum": "format of TUM",
     ".txt": "format of TUM",
 }
-"""What is written of trajectories, by suffix."""
+"""Descriptions of the formats of trajectories by suffix."""

@@ -28,17 +28,18 @@ the node, and its stage (see `multisrt.events.NodeAdded`)."""
 
 
 class ExplorationTree(NamedTuple):
-    """Nodes that robots made, in the order of their making, and the edges between them.
+    """Nodes that robots made, in order of time, and the edges between them.
 
     Attributes
     ----------
     world : str
         Name of the world.
     nodes : list of NodeAdded
-        The nodes. Those of robots that bid for frontiers are places of scans, without edges.
+        The nodes. Those of robots that bid for frontiers are the places of their scans, without
+        edges.
     edges : list of (parent, child)
-        Names of nodes of the list. A node whose parent was made by a robot that was left out has
-        no edge.
+        Names of nodes in the list. A node has no edge if the robot that made its parent is left
+        out.
     """
 
     world: str
@@ -47,7 +48,7 @@ class ExplorationTree(NamedTuple):
 
 
 def is_joined(node: NodeAdded) -> bool:
-    """Return whether a node is joined to its parent: scans of frontier bidders form no tree."""
+    """Return whether a node is joined to its parent; scans of frontier bidders form no tree."""
     return node.parent is not None and node.stage != "scan"
 
 
@@ -63,7 +64,7 @@ def exploration_tree(
     robot : int, optional
         The robot that made the nodes, from 0; by default all robots.
     time_s : float, optional
-        Time (s) until which nodes were made; by default the end of the run.
+        Time in seconds up to which nodes are included; by default the end of the run.
 
     Raises
     ------
@@ -126,18 +127,18 @@ def save_trees(
     recording : Recording
         The run.
     path : str or Path
-        The file, whose suffix says the format: ``.graphml``, or ``.geojson`` or ``.json`` for
+        The file, whose suffix determines the format: ``.graphml``, or ``.geojson`` or ``.json`` for
         GeoJSON. It is written completely or not at all.
     robot, time_s
         As for `exploration_tree`.
     overwrite : bool, optional
-        Whether a file that exists is replaced.
+        Whether an existing file is replaced.
 
     Raises
     ------
     InvalidInputError
-        If the suffix is another one, there is no such robot or no node, the file exists and is
-        not to be replaced, or it cannot be written.
+        If the suffix is another one, there is no such robot or no node, the file exists and may
+        not be replaced, or it cannot be written.
 
     Examples
     --------
@@ -180,9 +181,9 @@ def graphml_bytes(tree: ExplorationTree) -> bytes:
             f'<data key="{name}">{escape(str(value))}</data>'
             for name, value in _attributes(node).items()
         )
-        lines.append(f'<node id="{_called((node.robot, node.serial))}">{data}</node>')
+        lines.append(f'<node id="{_node_id((node.robot, node.serial))}">{data}</node>')
     for parent, child in tree.edges:
-        lines.append(f'<edge source="{_called(parent)}" target="{_called(child)}"/>')
+        lines.append(f'<edge source="{_node_id(parent)}" target="{_node_id(child)}"/>')
     return ("\n".join([*lines, "</graph>", "</graphml>"]) + "\n").encode()
 
 
@@ -201,13 +202,13 @@ def tree_geojson_bytes(tree: ExplorationTree) -> bytes:
     by_name = {(node.robot, node.serial): node for node in tree.nodes}
     for name, node in by_name.items():
         geometry = {"type": "Point", "coordinates": list(node.configuration[:2])}
-        features.append(({"name": _called(name), **_attributes(node)}, geometry))
+        features.append(({"name": _node_id(name), **_attributes(node)}, geometry))
     for parent, child in tree.edges:
         ends = [list(by_name[name].configuration[:2]) for name in (parent, child)]
         properties = {
             "kind": "edge",
-            "source": _called(parent),
-            "target": _called(child),
+            "source": _node_id(parent),
+            "target": _node_id(child),
             "robot": child[0],
             "time": by_name[child].time_s,
         }
@@ -229,5 +230,5 @@ def _attributes(node: NodeAdded) -> dict[str, float | int | str]:
     return dict(zip(ATTRIBUTES, values, strict=True))
 
 
-def _called(name: NodeName) -> str:
+def _node_id(name: NodeName) -> str:
     return f"r{name[0]}n{name[1]}"

@@ -1,4 +1,4 @@
-"""What of a run is written, by a word or else by the suffix of the file."""
+"""The content of a run that a file holds, by name or else by the suffix of the file."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from multisrt.exporting.written import require_suffix
 from multisrt.geometry.errors import InvalidInputError, did_you_mean
 
 What = Literal["run", "trajectories", "map", "tree", "world"]
-"""All of a run, where robots were, what they knew, their trees, or the true world."""
+"""The whole run, poses of robots, what robots knew, their trees, or the true world."""
 
 SUFFIXES: Final[Mapping[What, Mapping[str, object]]] = {
     "run": FORMATS,
@@ -23,23 +23,23 @@ SUFFIXES: Final[Mapping[What, Mapping[str, object]]] = {
     "tree": TREE_FORMATS,
     "world": MAP_SUFFIXES,
 }
-"""Suffixes of files by what they hold. Without a word a suffix means the first that has it."""
+"""Suffixes of files by their content. Without a name, a suffix means the first that has it."""
 
 
 def what_of(path: Path, what: What | None = None) -> What:
-    """Return what of a run a file is to hold.
+    """Return the content of a run that a file is to hold.
 
     Parameters
     ----------
     path : Path
         The file.
     what : str, optional
-        A word, if one was given.
+        Name of the content, if one was given.
 
     Raises
     ------
     InvalidInputError
-        If no such thing is written in the format that the suffix says.
+        If no content, or not this one, is written in the format of the suffix.
 
     Examples
     --------
@@ -54,13 +54,13 @@ def what_of(path: Path, what: What | None = None) -> What:
         if suffix in suffixes:
             return one
     known = {suffix: None for suffixes in SUFFIXES.values() for suffix in suffixes}
-    said = f"{suffix!r} is no format of exports" if suffix else "no suffix says the format"
+    said = f"{suffix!r} is no format of exports" if suffix else "no suffix determines the format"
     listed = "; ".join(f"{one}: {' '.join(SUFFIXES[one])}" for one in SUFFIXES if one != "world")
     raise InvalidInputError(f"{path}: {said}{did_you_mean(suffix, known)}; {listed}")
 
 
 def options_of(path: Path, what: What) -> frozenset[str]:
-    """Return the names of the options that such a file takes."""
+    """Return the names of the options that apply to a file with some content."""
     if what in ("map", "world"):
         own = set(map_writer(path).options)
         if "height_m" in own:

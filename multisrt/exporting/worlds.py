@@ -1,4 +1,4 @@
-"""Writing worlds, and what robots knew of them, in a format chosen by the suffix of the file."""
+"""Export of worlds, and of what robots knew of them, in a format chosen by the suffix."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from multisrt.recording import Recording
 Files = dict[Path, bytes]
 
 LINE_LAYERS: Final = ("edges", "paths")
-"""Lines that solids of a run show above the floor: edges of trees, and paths of robots."""
+"""Lines that solids of a run show above the floor: edges of trees and paths of robots."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -33,13 +33,13 @@ class MapWriter:
     name : str
         Its name in messages and tables.
     suffixes : tuple of str
-        Suffixes of its files in lower case, with the point.
+        Suffixes of its files in lower case, with the dot.
     files : callable
-        Returns the files of a map, the one that was named first.
+        Returns the files of a map, the named one first.
     others : tuple of str
-        Suffixes of the files that are written beside that one.
+        Suffixes of the files that are written beside the named one.
     options : tuple of str
-        The fields of `MapOptions` that it takes.
+        The fields of `MapOptions` that it uses.
     """
 
     name: str
@@ -98,11 +98,11 @@ def save_environment(
     environment : Environment
         The world.
     path : str or Path
-        The file, whose suffix says the format:
+        The file, whose suffix determines the format:
 
-        - ``.yaml`` or ``.yml``: ROS map server, with an image of the suffix ``.pgm`` beside it
+        - ``.yaml`` or ``.yml``: ROS map server, with a ``.pgm`` image beside it
         - ``.geojson`` or ``.json``: GeoJSON, with the suggested starts
-        - ``.wkt``: well-known text, which has free space only
+        - ``.wkt``: well-known text of free space
         - ``.svg``: its outlines, with the suggested starts
         - ``.dxf``: its outlines in layers, with the suggested starts
         - ``.stl``: its walls as solids
@@ -112,18 +112,21 @@ def save_environment(
     options : MapOptions, optional
         Width of a pixel; height and thickness of walls.
     overwrite : bool, optional
-        Whether a file that exists is replaced.
+        Whether an existing file is replaced.
 
     Raises
     ------
     InvalidInputError
-        If the suffix is another one, the format cannot hold the world, the file exists and is not
-        to be replaced, or it cannot be written.
+        If the suffix is another one, the format cannot hold the world, the file exists and may not
+        be replaced, or it cannot be written.
+    MissingExtraError
+        If the format is DXF and ezdxf is not installed (``multisrt[dxf]``).
 
     Notes
     -----
-    What is read from GeoJSON and well-known text has the same coordinates to the last digit. Of a
-    map server it differs by less than two cells; passages narrower than two cells may be closed.
+    Worlds read back from GeoJSON, well-known text, SVG and DXF have the same coordinates to the
+    last digit. From a map server, walls differ by less than two cells, and passages narrower than
+    two cells may be closed.
 
     Examples
     --------
@@ -154,10 +157,10 @@ def save_map(
     recording : Recording
         The run.
     path : str or Path
-        The file, whose suffix says the format, as for `save_environment`. In the image of a map
-        server, cells are free if their centre was known to be free, occupied if a surface that
-        was seen passes through them, and else unknown. Solids have walls where surfaces were
-        seen, and show trees and paths above the floor.
+        The file, whose suffix determines the format, as for `save_environment`. In the image of a
+        map server, cells are free if their centre was known to be free, occupied if an observed
+        surface passes through them, and unknown otherwise. Solids have walls at observed surfaces,
+        and show trees and paths above the floor.
     robot, time_s, environment
         As for `known_map`.
     options : MapOptions, optional
@@ -165,12 +168,12 @@ def save_map(
     without : iterable of {"edges", "paths"}, optional
         Lines that solids do not show: edges of trees, or paths of robots.
     overwrite : bool, optional
-        Whether a file that exists is replaced.
+        Whether an existing file is replaced.
 
     Raises
     ------
     InvalidInputError
-        If there is no such robot or time, or nothing was known then, or for a reason of
+        If there is no such robot or time, nothing was known then, or for the reasons of
         `save_environment`.
 
     Examples
@@ -208,7 +211,7 @@ def save_world(
     Raises
     ------
     InvalidInputError
-        For a reason of `save_environment`.
+        For the reasons of `save_environment`.
 
     Examples
     --------
@@ -242,7 +245,7 @@ def shown_lines(without: Iterable[str]) -> list[str]:
 
 
 def map_writer(path: Path) -> MapWriter:
-    """Return the format that the suffix of a path says.
+    """Return the format of the suffix of a path.
 
     Raises
     ------
@@ -254,7 +257,7 @@ def map_writer(path: Path) -> MapWriter:
 
 
 def map_files(path: Path) -> list[Path]:
-    """Return the files that are written for a map of a path, that path first."""
+    """Return the files that are written for a map with a path, that path first."""
     return [path, *(path.with_suffix(suffix) for suffix in map_writer(path).others)]
 
 

@@ -1,4 +1,4 @@
-"""Writing files that belong together: all of them or none, and over others only if allowed."""
+"""Writing files that belong together: all or none, and over existing files only if allowed."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ def require_new(paths: Iterable[Path], *, overwrite: bool) -> None:
             raise InvalidInputError(f"cannot write {path}: it is a folder; name a file")
         if not overwrite and os.path.lexists(path):
             raise InvalidInputError(
-                f"{path} exists already; name another file, or allow to replace it"
+                f"{path} exists already; name another file, or allow replacing it"
             )
 
 
 def write_files(files: Mapping[Path, bytes], *, overwrite: bool) -> None:
-    """Write files that get their names only when all have been written completely.
+    """Write files, which get their names only when all have been written completely.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ def write_files(files: Mapping[Path, bytes], *, overwrite: bool) -> None:
     Raises
     ------
     InvalidInputError
-        If one exists and is not to be replaced, or cannot be written.
+        If a file exists and may not be replaced, or cannot be written.
     """
     require_new(files, overwrite=overwrite)
     with ExitStack() as stack:
@@ -51,19 +51,19 @@ def require_suffix(path: Path, known: Mapping[str, object], what: str) -> str:
     path : Path
         The path.
     known : mapping
-        Its keys are the suffixes that are known; values that are texts describe them.
+        The known suffixes as keys; values that are strings describe them.
     what : str
         What is written, for the message.
 
     Raises
     ------
     InvalidInputError
-        If it is none of them.
+        If it is not a known suffix.
     """
     suffix = path.suffix.lower()
     if suffix in known:
         return suffix
-    said = f"{suffix!r} is no format of {what}" if suffix else "no suffix says the format"
+    said = f"{suffix!r} is no format of {what}" if suffix else "no suffix determines the format"
     texts = [f"{one}: {text}" if isinstance(text, str) else one for one, text in known.items()]
     hint = did_you_mean(suffix, known)
     raise InvalidInputError(f"{path}: {said}{hint}; {what} are written as {', '.join(texts)}")

@@ -74,7 +74,7 @@ def target_of(read):
         (warn, Verdict.WARNING),
     ],
 )
-def test_what_becomes_of_an_input_is_judged(read, verdict, tmp_path):
+def test_each_outcome_has_its_verdict(read, verdict, tmp_path):
     target = target_of(read)
     assert judge(target, target.input(0, 0), tmp_path).verdict is verdict
 
@@ -85,7 +85,7 @@ def test_messages_are_one_line_that_names_a_file(tmp_path):
     assert "one line" in flaw_of_message(f"{tmp_path}/a.wkt \x1b[2J", tmp_path)
 
 
-def test_worlds_are_judged():
+def test_flaws_of_worlds_are_found():
     assert not flaw_of_world(HALL)
     assert "printable" in flaw_of_world(Environment("a\nb", shapely.box(0, 0, 4, 3)))
 

@@ -258,7 +258,7 @@ def test_cells_between_uneven_lines_are_united(free, seed):
     one, other = corners[:-1, :-1], corners[1:, :-1]
     across, over = corners[1:, 1:], corners[:-1, 1:]
     if ((one == across) & (other == over) & (one != other)).any():
-        with pytest.raises(InvalidInputError, match="alone; free one more cell"):
+        with pytest.raises(InvalidInputError, match="touch only at the corner"):
             polygons_between_lines(free, x, y)
         return
     united = polygons_between_lines(free, x, y)

@@ -106,7 +106,7 @@ def test_overlaps_are_united_and_contacts_are_not_counted():
 
 @given(st.lists(st.tuples(*[st.integers(0, 9)] * 2, *[st.integers(1, 5)] * 2), min_size=1))
 @settings(max_examples=60, deadline=None)
-def test_overlap_is_what_areas_exceed_their_union_by(sides):
+def test_overlap_is_the_sum_of_areas_minus_the_union(sides):
     boxes = [box(x, y, x + w, y + h) for x, y, w, h in sides]
     space, cleaning = united(boxes)
     assert cleaning.united_m2 == pytest.approx(sum(b.area for b in boxes) - space.area)

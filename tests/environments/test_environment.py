@@ -110,7 +110,7 @@ def test_slivers_are_dropped() -> None:
     assert len(thin.edges) == 8
 
 
-def test_components() -> None:
+def test_a_component_is_found_by_a_point_in_it() -> None:
     world = Environment.from_outline("two", HALL, [box(6, 0, 7, 10)])
     assert world.component(1.0, 1.0).area == 60.0
     assert world.component(9.0, 1.0).area == 30.0
@@ -119,7 +119,7 @@ def test_components() -> None:
     assert caught.value.clearance_m == 0.0
 
 
-def test_clearance() -> None:
+def test_clearance_is_the_distance_to_the_nearest_wall() -> None:
     hall = Environment.from_outline("hall", HALL, [box(4, 4, 6, 6)])
     assert hall.clearance(3.0, 5.0) == 1.0
     assert hall.clearance(0.5, 5.0) == 0.5

@@ -101,7 +101,7 @@ def test_unknown_content_and_suffix_list_the_readable_ones(tmp_path):
     path = tmp_path / "map.xyz"
     path.write_text("0")
     with pytest.raises(
-        MapFormatError, match=r"suffix '\.xyz'; readable are: ROS map server \(\.yaml"
+        MapFormatError, match=r"suffix '\.xyz'; readable formats: ROS map server \(\.yaml"
     ):
         read_environment(path)
 

@@ -107,7 +107,7 @@ def test_a_plan_of_librecad(tmp_path):
 
 @pytest.mark.parametrize("form", ["asc", "bin"])
 @pytest.mark.parametrize("version", ["R12", "R2000", "R2018"])
-def test_versions_and_forms(tmp_path, version, form):
+def test_all_versions_and_both_encodings_are_read(tmp_path, version, form):
     drawing = ezdxf.new(version, units=6)
     space = drawing.modelspace()
     space.add_polyline2d([(0, 0), (4, 0), (4, 3), (0, 3)], close=True, dxfattribs=on("outline"))
@@ -319,7 +319,7 @@ def test_paper_space_does_not_count(tmp_path):
 # What is wrong.
 
 
-def test_what_is_wrong_is_named(tmp_path):
+def test_faults_are_named(tmp_path):
     drawing, space = new()
     with pytest.raises(MapFormatError, match=r"plan\.dxf has no walls"):
         read(tmp_path, drawing)

@@ -51,7 +51,7 @@ WITH_A_HOLE = shapely.box(0, 0, 10, 8) - shapely.box(4, 3, 6, 5)
         polygon([[*p, 3.5] for p in HALL], BLOCK),
     ],
 )
-def test_forms_of_the_same_world(read, document):
+def test_equivalent_documents_give_the_same_world(read, document):
     world = read(document)
     assert world.free.equals(WITH_A_HOLE)
     assert (world.name, world.origin, world.starts) == ("world", "world.geojson", ())
@@ -121,10 +121,13 @@ def test_bad_coordinate_is_placed(read, bad):
         ({"type": "LineString", "coordinates": HALL}, "'LineString' cannot be free"),
         (collection(feature({"type": "Point", "coordinates": [1, 1]})), "feature 1: .*'Point'"),
         (collection(feature(polygon(HALL), kind="start")), "'Polygon' cannot be start"),
-        (collection(feature(polygon(HALL), kind="wall")), "kind is 'wall'; it is one of outline"),
+        (
+            collection(feature(polygon(HALL), kind="wall")),
+            "kind is 'wall'; it must be one of outline",
+        ),
         (collection(feature(polygon(HALL), kind=[1])), "kind is a list of 1"),
         (collection(feature(None)), "feature 1: expected a GeoJSON object, found None"),
-        (collection(polygon(HALL)), "feature 1: this is no Feature"),
+        (collection(polygon(HALL)), "feature 1: this is not a Feature"),
         (collection(), "no free space"),
         (collection(feature(polygon(HALL), kind="obstacle")), "no free space"),
         (collection(feature(polygon(HALL)), feature(polygon(HALL), kind="obstacle")), "is empty"),

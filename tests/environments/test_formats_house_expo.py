@@ -56,9 +56,9 @@ def test_an_outline_that_touches_itself_is_filled_by_the_even_odd_rule(read):
     [
         ({"verts": "none"}, "has no verts; a floor plan of HouseExpo has a list"),
         ({"verts": [[0, 0], [1, 1]]}, "has no verts; .* at least three"),
-        ({"verts": [[0, 0], [1, 1], [2]]}, r"vertex 3 is a list of 1; it is \[x, y\]"),
-        ({"verts": [[0, 0], [1, 1], 5]}, "vertex 3 is 5; it is"),
-        ({"verts": [[0, 0], [1, "a"], [2, 0]]}, "vertex 2 is a list of 2; it is"),
+        ({"verts": [[0, 0], [1, 1], [2]]}, r"vertex 3 is a list of 1; it must be \[x, y\]"),
+        ({"verts": [[0, 0], [1, 1], 5]}, "vertex 3 is 5; it must be"),
+        ({"verts": [[0, 0], [1, "a"], [2, 0]]}, "vertex 2 is a list of 2; it must be"),
         ({"verts": [[0, 0], [1, True], [2, 0]]}, "vertex 2 is"),
         ({"verts": [[0, 0], [1, float("nan")], [2, 0]]}, "vertex 2 is"),
         ({"verts": [[10**400, 0], [1, 1], [2, 0]]}, "vertex 1 is"),

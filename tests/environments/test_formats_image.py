@@ -30,7 +30,7 @@ def assert_room(path, **options):
 
 @pytest.mark.parametrize("magic", [b"P2", b"P5"])
 @pytest.mark.parametrize("maximum", [15, 255, 65535])
-def test_pgm(tmp_path, magic, maximum):
+def test_pgm_of_any_depth_is_read(tmp_path, magic, maximum):
     path = tmp_path / "room.pgm"
     path.write_bytes(as_pgm(FREE * maximum, magic, maximum))
     assert_room(path)
@@ -44,7 +44,7 @@ def test_pgm_comment_between_the_sizes(tmp_path):
 
 
 @pytest.mark.parametrize("suffix", [".png", ".bmp", ".gif", ".tif", ".jpg", ".pbm", ".ppm"])
-def test_suffixes(tmp_path, suffix):
+def test_every_suffix_is_read(tmp_path, suffix):
     scale = 8 if suffix == ".jpg" else 1  # a JPEG's blocks, so that no wall is blurred
     grey = (FREE * np.uint8(255)).repeat(scale, axis=0).repeat(scale, axis=1)
     image = Image.fromarray(grey)
@@ -56,7 +56,7 @@ def test_suffixes(tmp_path, suffix):
 
 
 @pytest.mark.parametrize("mode", ["1", "L", "LA", "P", "PA", "RGB", "RGBA", "CMYK"])
-def test_modes(tmp_path, mode):
+def test_every_mode_of_pillow_is_read(tmp_path, mode):
     image = Image.fromarray(FREE * np.uint8(255)).convert("RGB" if mode == "PA" else "L")
     path = tmp_path / ("room.tif" if mode in ("PA", "CMYK") else "room.png")
     image = image.convert("P").convert("PA") if mode == "PA" else image.convert(mode)

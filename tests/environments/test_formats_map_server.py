@@ -62,7 +62,7 @@ def test_yaw_turns_the_world_about_its_lower_left_corner(room):
 
 
 @pytest.mark.parametrize("negate", [1, "true", "'1'"])
-def test_negate(tmp_path, negate):
+def test_negate_reverses_occupancy(tmp_path, negate):
     write_pixels(tmp_path, [[0, 255, 0], [49, 50, 128]])
     # p = x / 255: 49 is 0.192 and free, 50 is 0.19608 and unknown.
     world = read_environment(write_yaml(tmp_path, negate=negate))
@@ -95,7 +95,7 @@ def test_colour_is_the_mean_of_its_channels(tmp_path):
 
 
 @pytest.mark.parametrize(("mode", "area"), [("scale", 1), ("trinary", 2), ("Trinary", 2)])
-def test_alpha(tmp_path, mode, area):
+def test_alpha_counts_by_mode(tmp_path, mode, area):
     # Trinary averages alpha in: 254.75 and 250; scale takes any transparency for unknown.
     pixels = [[(255, 255, 255, 255), (255, 255, 255, 235), (255, 255, 255, 0)]]
     write_pixels(tmp_path, pixels, "map.png")
@@ -157,21 +157,21 @@ def test_missing_key_is_named(room, key):
     [
         ("resolution", "0", "resolution is 0 m"),
         ("resolution", "-0.1", "resolution is -0.1 m"),
-        ("resolution", ".nan", "resolution is nan; it is a finite number"),
+        ("resolution", ".nan", "resolution is nan; it must be a finite number"),
         ("resolution", ".inf", "resolution is inf"),
         ("resolution", "wide", "resolution is 'wide'"),
         ("resolution", "true", "resolution is True"),
         ("resolution", "[1, 2]", "resolution is a list of 2"),
         ("resolution", "1" + "0" * 400, "resolution is 1000"),
-        ("origin", "[0, 0]", "origin is a list of 2; it is a list"),
-        ("origin", "0", "origin is 0; it is a list"),
+        ("origin", "[0, 0]", "origin is a list of 2; it must be a list"),
+        ("origin", "0", "origin is 0; it must be a list"),
         ("origin", "[0, .nan, 0]", "origin, number 2 is nan"),
         ("origin", "[0, 0, north]", "origin, number 3 is 'north'"),
-        ("negate", "2", "negate is 2; it is 0 or 1"),
+        ("negate", "2", "negate is 2; it must be 0 or 1"),
         ("negate", "[0]", "negate is a list"),
-        ("free_thresh", "19.6", r"free_thresh is 19.6; it is an occupancy in \[0, 1\]"),
+        ("free_thresh", "19.6", r"free_thresh is 19.6; it must be an occupancy in \[0, 1\]"),
         ("occupied_thresh", "-1", "occupied_thresh is -1"),
-        ("mode", "ternary", "mode is 'ternary'; it is trinary or scale"),
+        ("mode", "ternary", "mode is 'ternary'; it must be trinary or scale"),
         ("mode", "3", "mode is 3"),
         ("image", "[a, b]", "image is a list of 2"),
         ("image", '"a\\0b"', "cannot be opened|not in"),
@@ -188,7 +188,7 @@ def test_exponent_without_a_point_is_a_number(room):
     assert read_environment(write_yaml(room, resolution="5e-1")).area_m2 == 1.5
 
 
-def test_no_free_cell(tmp_path):
+def test_a_map_without_free_cells_is_refused(tmp_path):
     write_pixels(tmp_path, np.full((3, 3), 205))
     with pytest.raises(MapFormatError, match=r"no pixel's occupancy is below free_thresh 0\.196"):
         read_environment(write_yaml(tmp_path))

@@ -45,7 +45,7 @@ def assert_room(path, **options):
     ],
     ids=lambda array: f"{array.dtype}-{array.max()}",
 )
-def test_types_of_numbers(tmp_path, array, order):
+def test_every_type_of_number_is_read(tmp_path, array, order):
     assert_room(saved(tmp_path, np.asarray(array, order=order)))
 
 
@@ -96,7 +96,7 @@ def test_threshold_is_for_grey_values(tmp_path):
         (np.full((2, 2), -1), "no cell has an occupancy of at most 0.25"),
     ],
 )
-def test_what_is_no_grid_is_named(tmp_path, array, message):
+def test_arrays_that_are_not_grids_are_refused(tmp_path, array, message):
     with pytest.raises(MapFormatError, match=message):
         read_environment(saved(tmp_path, array), resolution_m=1.0)
 

@@ -74,7 +74,7 @@ def light_and_dark(kind, depth):
 
 @pytest.mark.parametrize("interlaced", [False, True])
 @pytest.mark.parametrize(("kind", "depth"), KINDS)
-def test_kinds(tmp_path, kind, depth, interlaced):
+def test_every_kind_of_png_is_read(tmp_path, kind, depth, interlaced):
     light, dark, extra = light_and_dark(kind, depth)
     samples = np.where(FREE[:, :, np.newaxis], light, dark)
     assert_room(tmp_path, png(samples, kind, depth, interlaced, extra))
@@ -106,7 +106,7 @@ def test_transparent_colours_of_a_palette_are_not_free(tmp_path, depth):
 
 @pytest.mark.parametrize("depth", [8, 16])
 @pytest.mark.parametrize("kind", [GREY_ALPHA, RGBA])
-def test_what_is_not_opaque_is_not_free(tmp_path, kind, depth):
+def test_translucent_pixels_are_not_free(tmp_path, kind, depth):
     full = 2**depth - 1
     white = np.full((*FREE.shape, CHANNELS[kind]), full)
     white[:, :, -1] = np.where(FREE, full, full - 2 ** (depth - 8))

@@ -65,7 +65,7 @@ def test_starts_are_bounded(read, monkeypatch):
 @pytest.mark.parametrize(
     ("lines", "message"),
     [
-        ((), r"a\.map\.scen has no problem, and so no map"),
+        ((), r"a\.map\.scen has no problem that names a map"),
         ((FIRST.replace("6.5", ""), "x"), r"line 3 is 'x'; it has the fields bucket, map, "),
         ((FIRST + "\t1",), "line 2 is .* it has the fields bucket"),
         ((FIRST.replace("\t0\t0\t", "\t-1\t0\t", 1),), "line 2 is .* it has the fields bucket"),
@@ -78,7 +78,7 @@ def test_starts_are_bounded(read, monkeypatch):
         ((FIRST.replace("\t0\t0\t", "\t1\t1\t"),), r"\(1, 1\) is not in a free cell of a\.map"),
         (
             (FIRST, SECOND.replace("a.map", "b.map")),
-            "line 3 names the map 'maps/b.map', and line 2",
+            "line 3 names the map 'maps/b.map', and an earlier",
         ),
         ((FIRST.replace("a.map", "b.map"),), "line 2 names the map maps/b.map, which is not in"),
         (
@@ -97,7 +97,7 @@ def test_another_version_is_refused(tmp_path):
     path = tmp_path / "a.scen"
     for version in ("version 2.0", "version 0.0"):
         path.write_text(f"{version}\n{FIRST}\n")
-        with pytest.raises(MapFormatError, match=f"line 1 is '{version}'; scenarios are read in"):
+        with pytest.raises(MapFormatError, match=f"line 1 is '{version}'; only version 1 is read"):
             read_environment(path, resolution_m=1.0)
 
 

@@ -78,7 +78,7 @@ def test_origin_is_the_pose_of_the_rectangle_in_the_model(read):
     )
 
 
-def test_units(read):
+def test_units_are_applied(read):
     world = read(
         'unit_length "cm" unit_angle "radians"\n'
         f'model ( bitmap "a.png" size [800 600 1] pose [100 0 0 {math.pi / 2}] )'
@@ -249,18 +249,18 @@ def test_starts_are_bounded_and_distinct(read, monkeypatch):
         ('model ( bitmap "/dev/zero" )', "line 1 names the file '/dev/zero', which is not in the"),
         ('model ( bitmap "w.world" )', r"w\.world is not an image"),
         ('model ( bitmap "." )', "is a folder"),
-        ("model ( bitmap 5 )", "line 1: bitmap is the name of an image in quotes"),
-        ('model ( bitmap "" )', "line 1: bitmap is the name of an image in quotes"),
+        ("model ( bitmap 5 )", "line 1: bitmap must be the name of an image in quotes"),
+        ('model ( bitmap "" )', "line 1: bitmap must be the name of an image in quotes"),
         ('model ( bitmap "a\0.png" )', "cannot be opened|no closing|does not belong"),
         (PLAIN.replace("[8 6 1]", "[8 0 1]"), "line 1: the size is 8 x 0 m; both are above 0"),
         (PLAIN.replace("[8 6 1]", "[8 1e6 1]"), "line 1: the size is 8 x 1e.06 m"),
-        (PLAIN.replace("[8 6 1]", "8"), r"line 1: size is a tuple of numbers \[x y z\]"),
-        (PLAIN.replace("[8 6 1]", '[8 "6" 1]'), "line 1: size is a tuple of numbers"),
-        (PLAIN[:-1] + "pose [1 2] )", r"line 1: pose is a tuple of numbers \[x y z heading\]"),
+        (PLAIN.replace("[8 6 1]", "8"), r"line 1: size must be a tuple of numbers \[x y z\]"),
+        (PLAIN.replace("[8 6 1]", '[8 "6" 1]'), "line 1: size must be a tuple of numbers"),
+        (PLAIN[:-1] + "pose [1 2] )", r"line 1: pose must be a tuple of numbers \[x y z heading\]"),
         (PLAIN[:-1] + "pose [1e9 2 0 0] )", "line 1: pose is beyond 1e.07 m"),
-        (PLAIN[:-1] + 'boundary "yes" )', "line 1: boundary is a tuple of numbers with one"),
-        ('unit_length "inch" ' + PLAIN, "line 1: unit_length is one of m, cm, mm, in quotes"),
-        ("unit_angle 5 " + PLAIN, "line 1: unit_angle is one of degrees, radians"),
+        (PLAIN[:-1] + 'boundary "yes" )', "line 1: boundary must be a tuple of numbers with one"),
+        ('unit_length "inch" ' + PLAIN, "line 1: unit_length must be one of m, cm, mm, in quotes"),
+        ("unit_angle 5 " + PLAIN, "line 1: unit_angle must be one of degrees, radians"),
         (PLAIN + "model ( block ( points 2 ) )", "line 1: a block has points N, at least 3"),
         (PLAIN + "model ( block ( points 1e9 ) )", "line 1: a block has points N, at least 3"),
         (
@@ -297,7 +297,7 @@ def test_a_world_has_its_own_scale_and_threshold(read):
         ("MAX_CORNERS", 20, r"w\.world: its models have more than 20 corners together"),
     ],
 )
-def test_size_is_bounded(read, tmp_path, monkeypatch, limit, value, message):
+def test_sizes_of_worlds_are_bounded(read, tmp_path, monkeypatch, limit, value, message):
     shutil.copy(tmp_path / "a.png", tmp_path / "b.png")
     read(PLAIN * 2 + PLAIN.replace("a.png", "b.png"))
     monkeypatch.setattr(stage, limit, value)

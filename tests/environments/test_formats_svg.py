@@ -250,7 +250,7 @@ def test_a_plan_with_rooms_and_doors_in_walls(tmp_path):
          '<rect width="1" height="1"/>', 1),
     ],
 )  # fmt: skip
-def test_areas_of_what_is_painted(tmp_path, content, area):
+def test_painted_areas_are_walls(tmp_path, content, area):
     assert wall_area(tmp_path, content) == pytest.approx(area, rel=5e-4, abs=1e-9)
 
 
@@ -325,7 +325,7 @@ def test_names_of_nearer_groups_count(tmp_path):
     assert read(tmp_path, text).area_m2 == pytest.approx(77, abs=0.002)
 
 
-def test_obstacles_are_areas_and_walls_are_what_is_painted(tmp_path):
+def test_obstacles_are_areas_and_walls_are_painted_areas(tmp_path):
     rect = f'<rect x="1" y="1" width="4" height="4" {BLACK} stroke-width="1"/>'
     assert wall_area(tmp_path, f'<g class="wall">{rect}</g>') == pytest.approx(16)
     assert wall_area(tmp_path, f'<g class="obstacles">{rect}</g>') == pytest.approx(16)
@@ -427,7 +427,7 @@ coordinates = st.integers(0, 20).map(lambda k: k / 2)
         min_size=1, max_size=8,
     ).filter(lambda shapes: any(dark for _, dark in shapes)),
 )  # fmt: skip
-def test_a_plan_is_what_it_looks_like(tmp_path_factory, shapes):
+def test_the_topmost_paint_decides(tmp_path_factory, shapes):
     """The topmost paint decides, as in a raster image of the same shapes."""
     content, scale = "", 8
     image = Image.new("L", (10 * scale, 10 * scale), 255)
@@ -490,7 +490,7 @@ def test_fill_rules_count_how_often_rings_wind(rings, rule):
         ("M1 1A0 5 0 0 1 4 4", [[1, 1], [4, 4]]),
     ],
 )
-def test_path_data(data, expected):
+def test_path_data_are_parsed(data, expected):
     last = subpaths(data, 100.0)[-1].points
     assert last[[0, -1]].tolist() == [expected[0], expected[-1]]
     if not set(data) & set("aA"):
@@ -583,7 +583,7 @@ def test_transforms_are_applied_from_the_right():
          r"suggested start \(2, 6\) is not in free space"),
     ],
 )  # fmt: skip
-def test_what_is_wrong_is_named(tmp_path, content, message):
+def test_faults_are_named(tmp_path, content, message):
     with pytest.raises(MapFormatError, match=rf"plan\.svg.*{message}"):
         read(tmp_path, page(content))
 

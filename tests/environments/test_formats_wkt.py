@@ -30,7 +30,7 @@ WORLD = shapely.box(0, 0, 4, 4) - shapely.box(1, 1, 2, 2)
         "POLYGON Z ((0 0 9, 4 0 9, 4 4 9, 0 4 9, 0 0 9), (1 1 9, 1 2 9, 2 2 9, 2 1 9, 1 1 9))",
     ],
 )
-def test_forms_of_the_same_world(read, text):
+def test_equivalent_texts_give_the_same_world(read, text):
     world = read(text)
     assert world.free.equals(WORLD)
     assert (world.name, world.origin) == ("world", "world.wkt")

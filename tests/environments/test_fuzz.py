@@ -43,7 +43,7 @@ def test_damaged_files_are_read_or_refused(name, tmp_path):
 
 
 @pytest.mark.parametrize("path", KEPT, ids=lambda path: f"{path.parent.name}-{path.stem}")
-def test_what_once_broke_a_reader_does_not(path, tmp_path):
+def test_kept_inputs_are_read_or_refused(path, tmp_path):
     target = prepared(path.parent.name, tmp_path)
     for options in target.options:
         outcome = judge(target, Input(path.read_bytes(), path.suffix, options), tmp_path)

@@ -256,7 +256,7 @@ class TestBay:
         assert left_of_corridor.mirrored().place(box(0, 2, 1, 3)).equals(box(7, 8, 8, 9))
         assert left_of_corridor.doorway(1.0, 1.0, 0.2).equals(box(10, 5.5, 10.2, 6.5))
 
-    def test_rooms_and_walls_fill_it(self) -> None:
+    def test_rooms_and_walls_fill_the_row(self) -> None:
         row = Bay(x=0.0, y=0.0, along=(1.0, 0.0), inward=(0.0, 1.0), width_m=10.0, depth_m=3.0)
         widths = shared_widths(row.width_m, np.array([1.0, 2.0, 1.0]), 0.2)
         assert widths == pytest.approx([2.4, 4.8, 2.4])

@@ -36,7 +36,7 @@ def test_a_mark_may_touch_a_wall():
     assert marks(levels) == ()
 
 
-def test_what_is_no_mark_is_not_taken():
+def test_other_squares_are_not_marks():
     def changed(rows, columns, value):
         levels = dungeon()
         levels[rows, columns] = value

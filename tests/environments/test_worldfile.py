@@ -94,7 +94,7 @@ def test_includes_are_read_where_they_stand(parse):
     [
         ("a ( b 1", r"line 1: the \( of a is not closed"),
         ("a 1\n)", r"line 2: a \) closes nothing"),
-        ("pose [1, 2]", r"line 1: ',' does not belong into .* separated by spaces"),
+        ("pose [1, 2]", r"line 1: ',' does not belong in .* separated by spaces"),
         ("pose [1 2", r"line 1 is the end of the file; the tuple of pose is not closed"),
         ("pose [1 [2] ]", r"line 1: '\[' is in the tuple of pose"),
         ("pose [1 x]", r"line 1: 'x' is in the tuple of pose"),
@@ -106,8 +106,8 @@ def test_includes_are_read_where_they_stand(parse):
         ("a -", "line 1: '-' is not a number"),
         ("a 5cm", "line 1: '5cm' is not a number"),
         (f"a {'9' * 400}", "line 1: '9+[.]*.* is too large"),
-        ("a % 2", "line 1: '%' does not belong into a world file"),
-        ("a é", "line 1: 'é' does not belong into a world file"),
+        ("a % 2", "line 1: '%' does not belong in a world file"),
+        ("a é", "line 1: 'é' does not belong in a world file"),
         ("define a ( )", "line 1: define is followed by a name, a type and"),
         ("define a b 1", "line 1: define is followed by a name, a type and"),
         ("define a", "line 1 is the end of the file; define is followed by"),
@@ -121,8 +121,8 @@ def test_includes_are_read_where_they_stand(parse):
         ('include "bad.inc"', r"bad\.inc, line 3: a \) closes nothing"),
         ("define a a ( ) a ( )", "line 1: a is defined by itself"),
         ("define a b ( ) define b a ( ) b ( )", "line 1: b is defined by itself"),
-        ("define a model ( a ( ) ) a ( )", "line 1: more than 32 entities contain each other"),
-        ("a (" * 40 + ")" * 40, "line 1: more than 32 entities contain each other"),
+        ("define a model ( a ( ) ) a ( )", "line 1: entities are nested more than 32 deep"),
+        ("a (" * 40 + ")" * 40, "line 1: entities are nested more than 32 deep"),
     ],
 )
 def test_fault_is_named_with_its_place(parse, text, message):
@@ -145,7 +145,7 @@ def test_a_link_out_of_the_folder_is_not_followed(parse, tmp_path):
         parse_worldfile(folder / "a.world")
 
 
-def test_work_is_bounded(parse, monkeypatch):
+def test_macros_and_includes_are_bounded(parse, monkeypatch):
     doubled = "".join(f"define m{n + 1} model ( m{n} ( ) m{n} ( ) )\n" for n in range(1, 25))
     with pytest.raises(MapFormatError, match=r"more than 200,000 properties and entities when"):
         parse(f"define m1 model ( a 1 )\n{doubled} m25 ( )")

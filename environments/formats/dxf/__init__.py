@@ -1,4 +1,4 @@
-"""Floor plans in DXF: lines of CAD drawings as walls, by the names of layers."""
+"""Floor plans in DXF: walls by the names of layers, or else all lines."""
 
 from multisrt.environments.formats.dxf.reader import DXF, read_dxf
 

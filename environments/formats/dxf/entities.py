@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from ezdxf.path import Path as CadPath
 
 MAX_ENTITIES: Final = 100_000
-"""Upper bound of the entities that are drawn, those of blocks as often as they are inserted."""
+"""Upper bound of the entities that are drawn; those of blocks count once for each insertion."""
 
 MAX_BLOCK_DEPTH: Final = 32
 """Upper bound of the nesting of blocks."""
@@ -41,7 +41,7 @@ ANNOTATIONS: Final = frozenset(
         *("PDFUNDERLAY", "DWFUNDERLAY", "DGNUNDERLAY"),
     }
 )
-"""Types of entities that are no part of a building."""
+"""Types of entities that are not part of a building, and ignored."""
 
 LINES: Final = frozenset(["LINE", "LWPOLYLINE", "POLYLINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE"])
 AREAS: Final = frozenset(["HATCH", "MPOLYGON", "SOLID", "TRACE"])
@@ -56,7 +56,7 @@ class Line(NamedTuple):
 
 
 class Part(NamedTuple):
-    """What an entity draws, in metres: lines, or rings of an area that is filled."""
+    """What an entity draws, in metres: lines, or the rings of a filled area."""
 
     role: Role | None
     lines: list[Line]
@@ -64,7 +64,7 @@ class Part(NamedTuple):
 
 
 class Drawer:
-    """The entities of a drawing, with those of blocks as often as they are inserted.
+    """The entities of a drawing, with those of blocks at each insertion.
 
     Parameters
     ----------
@@ -89,15 +89,15 @@ class Drawer:
         Raises
         ------
         MapFormatError
-            If too much is drawn, or something that cannot be read. A damaged drawing may raise
-            other errors.
+            If too much is drawn, or an entity cannot be read. A damaged drawing may raise other
+            errors.
         """
         from ezdxf.math import Matrix44
 
         space = self._drawing.modelspace()
-        return list(self._of(space, Matrix44(), "0", None, 0)), self._starts
+        return list(self._parts_in(space, Matrix44(), "0", None, 0)), self._starts
 
-    def _of(
+    def _parts_in(
         self, entities: Any, matrix: Matrix44, layer: str, role: Role | None, depth: int
     ) -> Iterator[Part]:
         """Yield the parts of a block that is inserted on a layer."""
@@ -147,11 +147,10 @@ class Drawer:
             block = one.block()
             if block is None:
                 raise MapFormatError(
-                    f"{self._path} inserts the block {one.dxf.name[:40]!r}, which it does not "
-                    "define"
+                    f"{self._path} inserts the block {one.dxf.name[:40]!r}, which is not defined"
                 )
             inner = Matrix44.chain(one.matrix44(), matrix)
-            yield from self._of(block, inner, layer, role, depth + 1)
+            yield from self._parts_in(block, inner, layer, role, depth + 1)
 
     def _place(self, matrix: Matrix44, points: Any) -> list[tuple[float, float]]:
         return [
@@ -179,7 +178,7 @@ class Drawer:
             return
         if kind in AREAS:
             rings = [self._flat(path, matrix) for path in self._paths(entity)]
-            # Without layers a pattern may as well be that of a floor.
+            # Without a role, a pattern may show a floor as well as a wall.
             is_pattern = kind == "HATCH" and not entity.dxf.get("solid_fill", 0)
             if role is not None or not is_pattern:
                 yield Part(role, [], rings)
@@ -237,7 +236,7 @@ class Drawer:
         return [one for one in path.sub_paths() if len(one)]
 
     def _flat(self, path: CadPath, matrix: Matrix44) -> FloatArray:
-        """Return the points of a path in metres, its curves within `FLATNESS_M`."""
+        """Return the points of a path in metres, with curves as polylines within `FLATNESS_M`."""
         from ezdxf.path import Curve3To, Curve4To
 
         commands = path.commands()

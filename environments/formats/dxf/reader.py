@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from ezdxf.document import Drawing
 
 WALL_THICKNESS_M: Final = 0.02
-"""Thickness of the walls that lines without a width become, in metres."""
+"""Thickness of walls made from lines without a width, in metres."""
 
 MAX_DXF_BYTES: Final = 32 * 2**20
 """Upper bound of the size of DXF files, in bytes (32 MiB)."""
@@ -48,7 +48,7 @@ PEN: Final = Pen("square", "mitre", 2.0)
 """Square ends close the corners of lines that miss each other by less than the thickness."""
 
 SNAP_M: Final = 1e-3
-"""Grid to which the ends of single lines are moved when they are joined to outlines."""
+"""Grid in metres to which the ends of single lines are rounded to join them to outlines."""
 
 
 def read_dxf(
@@ -60,42 +60,42 @@ def read_dxf(
 ) -> Environment:
     """Read a floor plan from the model space of a DXF file.
 
-    Lines of CAD have no thickness: each becomes a wall of 2 cm, or of its own width if a polyline
-    has one. Two lines that are the faces of a wall thus enclose an area that no path leads to.
+    Lines in CAD have no thickness: each becomes a wall of 2 cm, or of its own width if a polyline
+    has one. Two lines for the faces of a wall thus enclose a separate part of free space.
 
     **By layers.** An entity has the role of the first of these words in the name of its layer, or
-    else of that of the block that it is in: ``door``, ``obstacle`` (also ``column``,
+    else in that of the block that contains it: ``door``, ``obstacle`` (also ``column``,
     ``furniture``), ``wall`` (also ``window``, ``glaz``), ``start``, ``free`` (also ``outline``);
-    ``A-WALL-FULL`` is a wall. If something is a wall, an obstacle or free, only what has a role
-    counts:
+    ``A-WALL-FULL`` is a wall. If any entity is a wall, an obstacle or free, only entities with a
+    role count:
 
     - *walls*: lines and curves as above, hatches and solids as areas;
     - *obstacles*: closed outlines, also of single lines, as areas; other lines as walls;
-    - *free*: closed outlines as areas. Without any, free space is the box around all walls;
-    - *doors*: closed outlines are openings in walls; other lines are left out;
+    - *free*: closed outlines as areas. Without any, free space is the bounding box of all walls;
+    - *doors*: closed outlines are openings in walls; other lines are ignored;
     - *starts*: points, the centres of outlines, and the base points of blocks are suggested
       starts.
 
     **Without such layers** all lines and solid hatches are walls. Text, dimensions, images, and
-    layers that are off or frozen never count.
+    layers that are off or frozen are always ignored.
 
     Parameters
     ----------
     path : Path
         DXF, ASCII or binary, of AutoCAD R12 or later, of at most 32 MiB.
     resolution_m : float, optional
-        Metres per drawing unit. By default the unit of the header (``$INSUNITS``); required if
-        that says that there is none.
+        Metres per drawing unit. By default the unit in the header (``$INSUNITS``); required if
+        there is none.
     threshold
-        Refused: a drawing is not an image.
+        Rejected: a drawing is not an image.
     name : str, optional
         By default the file's name without suffix.
 
     Raises
     ------
     MapFormatError
-        If the file is not DXF, has no unit and none is given, or has no walls, no free space, or
-        walls that cannot be read.
+        If the file is not DXF, has no unit and no resolution is given, has no walls or no free
+        space, or draws walls by entities that cannot be read.
     MissingExtraError
         If ezdxf is not installed (``multisrt[dxf]``).
 
@@ -146,7 +146,7 @@ def read_dxf(
 def _loaded(path: Path, ezdxf: Any) -> Drawing:
     logger = logging.getLogger("ezdxf")
     level = logger.level
-    # What the library repairs it reports at length; what it cannot repair it raises.
+    # The library logs what it repairs, and raises what it cannot repair.
     logger.setLevel(logging.CRITICAL)
     try:
         drawing: Drawing = ezdxf.readfile(path)
@@ -167,7 +167,7 @@ def _metres_per_unit(path: Path, drawing: Drawing, resolution_m: float | None) -
 
 
 def _free_space(path: Path, parts: list[Part]) -> tuple[BaseGeometry, str]:
-    """Return free space, and in words what walls are."""
+    """Return free space, and the rule for walls in words."""
     has_names = any(part.role in (Role.FREE, Role.WALL, Role.OBSTACLE) for part in parts)
     rule = "walls by their layers" if has_names else "all lines are walls"
     chosen: dict[Role, list[Part]] = {role: [] for role in Role}
@@ -205,8 +205,8 @@ def _free_space(path: Path, parts: list[Part]) -> tuple[BaseGeometry, str]:
     else:
         if blocked.is_empty:
             raise MapFormatError(
-                f"{path} has no walls: there are no lines in the model space on layers that are "
-                f"shown; put walls on layers named {role_names()}"
+                f"{path} has no walls: there are no lines in the model space on visible "
+                f"layers; put walls on layers named {role_names()}"
             )
         free = shapely.box(*blocked.bounds)
     left = free - blocked
@@ -227,7 +227,7 @@ def _wall(line: Line) -> BaseGeometry:
 def _areas(
     path: Path, parts: list[Part], *, outlines: bool
 ) -> tuple[list[BaseGeometry], list[Line]]:
-    """Return the areas that are filled and those of closed outlines, and lines of no outline."""
+    """Return the areas of fills and of closed outlines, and the lines that close none."""
     areas = [filled(path, part.rings, "evenodd") for part in parts if part.rings]
     loose: list[Line] = []
     if outlines:

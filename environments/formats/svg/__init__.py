@@ -1,4 +1,4 @@
-"""Floor plans in SVG: shapes by the names of their layers, or else by what is painted dark."""
+"""Floor plans in SVG: walls by the names of layers, or else by what is painted dark."""
 
 from multisrt.environments.formats.svg.reader import SVG, read_svg
 

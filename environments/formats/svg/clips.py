@@ -1,4 +1,4 @@
-"""Clip paths of SVG: what they leave of areas, at a cost that is bounded before it is computed."""
+"""Clip paths of SVG applied to areas; the cost is bounded before they are computed."""
 
 from pathlib import Path
 from typing import Final, NamedTuple
@@ -23,20 +23,20 @@ from multisrt.geometry.errors import MapFormatError
 from multisrt.geometry.numerics.arrays import FloatArray
 
 MAX_CUT_POINTS: Final = 10_000_000
-"""Upper bound of the points of all areas that are cut and of the clip paths that cut them."""
+"""Upper bound of the points of all areas that are clipped and of their clip paths, summed."""
 
 POINTS_PER_CUT: Final = 100
-"""What a cut costs beside its points, in points."""
+"""Fixed cost of clipping one area, in points."""
 
 POINTS_PER_COUNT: Final = 400
-"""What counting the crossings of a cut costs, in points."""
+"""Fixed cost of counting the crossings of an area with a clip path, in points."""
 
 SMALL_PRODUCT: Final = 10_000
-"""Product of two numbers of edges up to which their crossings are not counted."""
+"""Product of the numbers of edges up to which crossings are not counted."""
 
 
 class _Mask(NamedTuple):
-    """The area that a clip path leaves, and its edges x0, y0, x1, y1."""
+    """The area inside a clip path, and its edges x0, y0, x1, y1, in metres."""
 
     area: BaseGeometry
     edges: FloatArray
@@ -59,7 +59,7 @@ class Clipper:
         self._pairs = EdgePairs(0, 0, 0)
 
     def cut(self, one: Drawn, area: BaseGeometry) -> BaseGeometry:
-        """Return the part of an area that the clip paths of its shape leave, in metres.
+        """Return the part of an area inside the clip paths of its shape, in metres.
 
         Parameters
         ----------
@@ -71,8 +71,8 @@ class Clipper:
         Raises
         ------
         MapFormatError
-            If the clip paths of the document have too many points, cut too much, or cross what
-            they cut too often.
+            If the clip paths of the document have too many points, clip too much, or cross the
+            clipped areas too often.
         SvgError
             If an attribute of a clip path is wrong.
         """
@@ -118,8 +118,8 @@ class Clipper:
             self._mask_points += sum(len(points) for points, _ in lines.metres)
             if self._mask_points > MAX_POINTS:
                 raise MapFormatError(
-                    f"{self._path}: its clip paths have more than {MAX_POINTS:,} points, those "
-                    "that are moved as often as they are; simplify them"
+                    f"{self._path}: its clip paths have more than {MAX_POINTS:,} points, counted "
+                    "again for every transform; simplify them"
                 )
             areas.append(fill_area(self._path, one, lines, "clip-rule"))
         require_few_crossings(self._path, areas)

@@ -9,10 +9,10 @@ import numpy as np
 from multisrt.geometry.numerics.arrays import FloatArray
 
 MAX_NUMBER: Final = 1e12
-"""Upper bound of the absolute value of numbers; their products are finite."""
+"""Upper bound of the absolute value of numbers, so that their products are finite."""
 
 MAX_NUMBERS: Final = 400_000
-"""Upper bound of the numbers in a list, two for each point of the largest drawing."""
+"""Upper bound of the numbers in a list: two for each point of the largest drawing."""
 
 MAX_FUNCTIONS: Final = 20
 """Upper bound of the functions of a transform."""
@@ -39,7 +39,7 @@ _FUNCTION: Final = re.compile(r"[\s,]*([a-zA-Z]+)\s*\(([^()]*)\)[\s,]*")
 
 
 class SvgError(ValueError):
-    """Something in an element cannot be read; the message says what, and what is allowed."""
+    """Part of an element cannot be read; the message states it, and what is allowed."""
 
 
 def number(text: str) -> float:
@@ -60,7 +60,7 @@ def number(text: str) -> float:
 
 
 def numbers(text: str) -> list[float]:
-    """Return numbers that are separated by space and commas.
+    """Return numbers that are separated by spaces and commas.
 
     Examples
     --------
@@ -105,7 +105,7 @@ def length(text: str, whole: float) -> float:
     text : str
         The length.
     whole : float
-        What 100 % are, in user units.
+        The length of 100 %, in user units.
 
     Examples
     --------

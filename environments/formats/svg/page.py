@@ -21,7 +21,7 @@ from multisrt.geometry.errors import MapFormatError
 from multisrt.geometry.numerics.arrays import FloatArray
 
 MIN_REAL_SIZE_M: Final = 1.2
-"""A page with both sides below it is paper: the longer side of A0 has 1.189 m."""
+"""A page whose sides are both shorter is paper: the longer side of A0 has 1.189 m."""
 
 MIN_RESOLUTION_M: Final = 1e-6
 """Smallest size of a user unit, in metres."""
@@ -40,7 +40,7 @@ class Page(NamedTuple):
     Attributes
     ----------
     element : Element
-        What is read.
+        The element that is read: the root, or the layer ``map`` of a picture of this package.
     matrix : float array, shape (3, 3)
         Transform from its user space to metres, y up.
     viewport : (width, height)
@@ -75,7 +75,7 @@ def page_of(document: Document, resolution_m: float | None) -> Page:
     Raises
     ------
     MapFormatError
-        If the document has no scale and none is given, or the other way round.
+        If the document has no scale and none is given, or has its own and one is given.
     SvgError
         If a size is wrong.
     """
@@ -134,7 +134,7 @@ def _flipped(height: float) -> FloatArray:
 
 
 def _size(root: Element, side: str) -> tuple[float, str] | None:
-    """Return the number and unit of a side; None if it is not given, or follows the window."""
+    """Return the number and unit of a side; None if it is missing or relative to the window."""
     text = root.attributes.get(side, "auto").strip()
     if text == "auto":
         return None

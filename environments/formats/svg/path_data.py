@@ -1,7 +1,7 @@
 """Path data of SVG as polylines.
 
 Source: W3C, Scalable Vector Graphics 2, chapter 9 (grammar) and appendix B.2 (arcs); differs in:
-what is wrong raises an error, where browsers draw what is before it.
+invalid data raise an error, where browsers draw the data before it.
 """
 
 import math
@@ -16,7 +16,7 @@ from multisrt.environments.formats.svg.lengths import NUMBER, SvgError, number
 from multisrt.geometry.numerics.arrays import FloatArray
 
 ARGUMENTS: Final = {"M": 2, "L": 2, "H": 1, "V": 1, "C": 6, "S": 4, "Q": 4, "T": 2, "A": 7, "Z": 0}
-"""How many numbers each command takes."""
+"""Number of arguments of each command."""
 
 _SPACE: Final = re.compile(r"[\s,]*")
 
@@ -149,7 +149,7 @@ class _Pen:
         self.has_begun = True
 
     def finished(self) -> list[Subpath]:
-        """Return the subpaths; there is none without a line."""
+        """Return the subpaths drawn so far."""
         self._end(closed=False)
         return self._done
 
@@ -170,7 +170,7 @@ class _Pen:
         if self._count > MAX_POINTS:
             raise SvgError(f"the path has more than {MAX_POINTS:,} points")
         if not np.abs(points).max() <= 1e15:
-            raise SvgError("the path leaves every page")
+            raise SvgError("the path has a coordinate beyond 1e15")
         self._points.append(points)
         self._here = (float(points[-1, 0]), float(points[-1, 1]))
 
@@ -192,7 +192,7 @@ class _Pen:
         )
 
     def _reflected(self, kind: str) -> Point:
-        """Return the last control point, mirrored, after a curve of that kind."""
+        """Return the last control point mirrored at the current one, after a curve of that kind."""
         (x, y), (last, (cx, cy)) = self._here, self._control
         return (2 * x - cx, 2 * y - cy) if last == kind else (x, y)
 
@@ -210,7 +210,7 @@ class _Pen:
         far = math.hypot(u, v)
         if not far <= 1e12:
             raise SvgError("an arc has radii that are too small for its ends")
-        if far > 1.0:  # radii too small for the chord grow until they reach
+        if far > 1.0:  # radii too small for the chord are scaled up to reach it
             rx, ry, u, v, far = rx * far, ry * far, u / far, v / far, 1.0
         if far == 0.0:
             self._line(end)

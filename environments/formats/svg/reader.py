@@ -1,9 +1,8 @@
 """Floor plans in SVG as worlds.
 
-A plan says what is free in one of two ways. If layers, classes or identifiers name walls,
-obstacles or free space, these count and nothing else does. If there is no such name, a plan is
-what it looks like: where the topmost paint is dark there is a wall, elsewhere on the page is free
-space.
+A plan is read in one of two ways. If layers, classes or identifiers name walls, obstacles or free
+space, only shapes with such names count. Otherwise it is read by its appearance: the page is a wall
+where its topmost paint is dark, and free space elsewhere.
 """
 
 import re
@@ -42,13 +41,13 @@ from multisrt.geometry.errors import MapFormatError
 from multisrt.geometry.numerics.arrays import FloatArray
 
 DARK_LIGHTNESS: Final = 0.5
-"""Default threshold: paint that is not lighter is a wall."""
+"""Default threshold of lightness: paint that is not lighter is a wall."""
 
 MAX_COVER_POINTS: Final = 1_000_000
-"""Upper bound of the points of light shapes over dark ones, counted for each dark one."""
+"""Upper bound of the points of light shapes over dark ones, counted again for each dark one."""
 
 MAX_OUTSIDE: Final = 0.01
-"""Largest share of walls that may be outside the page."""
+"""Maximum share of the area of walls that may be outside the page."""
 
 
 def read_svg(
@@ -61,24 +60,25 @@ def read_svg(
     """Read a floor plan in SVG.
 
     **By names.** A shape has the role of the first of these words in its own label (Inkscape),
-    class or identifier, or in that of the nearest group: ``door``, ``obstacle`` (also ``column``,
-    ``furniture``), ``wall`` (also ``window``), ``start``, ``free`` (also ``outline``); see
-    `multisrt.environments.formats.plan.WORDS`. If some shape is a wall, an obstacle or free, only
-    shapes with a role count. Free space is the area of what is free, or else the page, without the
-    areas of obstacles, and without what is painted of walls (fills, and strokes at their width) but
-    for what is painted of doors. The centre of each part of a start is a suggested start.
+    class or identifier, or else in that of the nearest group: ``door``, ``obstacle`` (also
+    ``column``, ``furniture``), ``wall`` (also ``window``), ``start``, ``free`` (also ``outline``);
+    see `multisrt.environments.formats.plan.WORDS`. If any shape is a wall, an obstacle or free,
+    only shapes with a role count. Free space is the area of the free shapes, or else the page,
+    minus the areas of obstacles and the painted areas of walls (fills, and strokes at their
+    width). Painted areas of doors are openings in walls. The centre of each subpath of a start is
+    a suggested start.
 
-    **By lightness.** If there are no such names, a plan is what it looks like: free space is the
-    page where its topmost paint is lighter than the threshold, or where there is none. Text and
-    dashed lines, by which plans show what is above or hidden, are left out.
+    **By lightness.** Without such names, free space is the page where its topmost paint is lighter
+    than the threshold, and where nothing is painted. Text and dashed lines, by which plans show
+    what is above the floor or hidden, are ignored.
 
-    **Scale.** ``--resolution`` gives the metres per user unit. Without it a page in mm, cm or
-    inches is taken at its own size if a side has at least 1.2 m; a smaller page is paper, and the
-    scale of what is on it is asked for. Pictures of this package are in metres.
+    **Scale.** ``--resolution`` gives the metres per user unit. Without it, a page in mm, cm or
+    inches is read at its own size if a side has at least 1.2 m; a smaller page is paper, and
+    raises an error that asks for its scale. Pictures of this package are in metres.
 
-    The lower left corner of the page is the origin, y is up; without a page (neither ``viewBox``
-    nor ``width`` and ``height``) it is that of the shapes. Curves are replaced by polylines within
-    5 mm of them.
+    The origin is the lower left corner of the page, y is up; without a page (neither ``viewBox``
+    nor ``width`` and ``height``) it is the corner of the bounding box of the shapes. Curves are
+    replaced by polylines within 5 mm of them.
 
     Parameters
     ----------
@@ -86,10 +86,10 @@ def read_svg(
         SVG 1.1 or 2 in UTF-8: paths, basic shapes, groups, transforms, ``use``, ``symbol``,
         ``clipPath``, attributes, ``style`` and simple rules of style sheets.
     resolution_m : float, optional
-        Metres per user unit, a unit of the ``viewBox`` or else a pixel.
+        Metres per user unit: a unit of the ``viewBox``, or else a pixel.
     threshold : float, optional
-        In [0, 1]: paint is free if its lightness is greater. By default 0.5. Only for plans
-        without names.
+        Lightness in [0, 1] above which paint is free, by default 0.5. Only for plans without
+        names.
     name : str, optional
         By default the file's name without suffix.
 
@@ -97,12 +97,12 @@ def read_svg(
     ------
     MapFormatError
         If the file is not such a drawing, has no scale and none is given, refers to other files,
-        draws what cannot be read (images, patterns, masks), or has no walls or no free space.
+        uses unsupported content (images, patterns, masks), or has no walls or no free space.
 
     Notes
     -----
     Source: W3C, Scalable Vector Graphics (SVG) 2, 2018; differs in: dashes, markers, text, filters
-    and animations are not drawn, and what is wrong raises an error.
+    and animations are not drawn, and invalid content raises an error.
 
     Examples
     --------
@@ -151,7 +151,7 @@ class _Paint(NamedTuple):
 
 
 class _Plan:
-    """The shapes of a document, and what is free by them."""
+    """The shapes of a document, and the free space that they determine."""
 
     def __init__(self, document: Document, page: Page, shapes: list[Drawn]) -> None:
         self._document = document
@@ -174,7 +174,7 @@ class _Plan:
                 continue
             try:
                 lines = outline(one)
-                # Before more are made of them: symbols may be used very often.
+                # Counted as they are made: symbols may be used very often.
                 count += sum(len(points) for points, _ in lines.metres)
                 if count > MAX_POINTS:
                     raise MapFormatError(
@@ -199,12 +199,12 @@ class _Plan:
         self._points += int(shapely.get_num_coordinates(area))
         if self._points > MAX_POINTS:
             raise MapFormatError(
-                f"{self._path}: its areas have more than {MAX_POINTS:,} points, with round ends of "
-                "lines as polygons; simplify it"
+                f"{self._path}: its areas have more than {MAX_POINTS:,} points, with round caps "
+                "and joins as polygons; simplify it"
             )
 
     def starts(self) -> list[tuple[float, float]]:
-        """Return the centres of the parts of starts."""
+        """Return the centres of the subpaths of starts."""
         return [
             (float(x), float(y))
             for one, lines in self._shapes
@@ -239,8 +239,7 @@ class _Plan:
             return self._placed(free, free - walls)
         if walls.is_empty:
             raise MapFormatError(
-                f"{self._path}: nothing is painted of the shapes named wall; give them a stroke or "
-                "a fill"
+                f"{self._path}: the shapes named wall paint nothing; give them a stroke or a fill"
             )
         frame = self._frame(walls)
         return self._placed(frame, frame - walls)
@@ -272,7 +271,7 @@ class _Plan:
         walls = _topmost_dark(self._path, paints)
         if walls.is_empty:
             raise MapFormatError(
-                f"{self._path} has no walls: no shape that is painted is darker than "
+                f"{self._path} has no walls: no painted shape is darker than "
                 f"{threshold:.3g}, and none is named; paint walls dark, give a higher --threshold "
                 f"(threshold), or name layers {role_names()}"
             )
@@ -289,7 +288,7 @@ class _Plan:
                 continue
             lightness, alpha = color
             alpha *= one.opacity * opacity(style[f"{kind}-opacity"])
-            # What is seen of it on black and on white; in between nothing changes.
+            # Light even on black, or dark even on white; else translucent paint is ignored.
             if alpha * lightness > threshold:
                 is_light = True
             elif 1 - alpha * (1 - lightness) <= threshold:
@@ -308,14 +307,14 @@ class _Plan:
         return paints
 
     def _frame(self, walls: BaseGeometry) -> BaseGeometry:
-        """Return the page, or else the box around walls."""
+        """Return the page, or else the bounding box of walls."""
         if self._page.frame is None:
             return shapely.box(*walls.bounds)
         outside = walls.difference(self._page.frame).area
         if outside > MAX_OUTSIDE * walls.area:
             raise MapFormatError(
                 f"{self._path}: {outside / walls.area:.0%} of the walls are outside the page; "
-                "resize the page to its content, or draw an outline of free space that is named so"
+                "resize the page to its content, or draw an outline of free space with that name"
             )
         return self._page.frame
 
@@ -340,7 +339,7 @@ def _is_dashed(text: str) -> bool:
 
 
 def _topmost_dark(path: Path, paints: list[_Paint]) -> BaseGeometry:
-    """Return the area on which the last paint is dark."""
+    """Return the area whose topmost paint is dark."""
     dark = [(k, paint.area) for k, paint in enumerate(paints) if not paint.is_light]
     light = [(k, paint.area) for k, paint in enumerate(paints) if paint.is_light]
     if not dark:
@@ -358,8 +357,8 @@ def _topmost_dark(path: Path, paints: list[_Paint]) -> BaseGeometry:
                 points += int(sizes[later].sum())
                 if points > MAX_COVER_POINTS:
                     raise MapFormatError(
-                        f"{path}: its dark shapes lie under too many light ones; leave out the "
-                        "shapes that are hidden, or name layers " + role_names()
+                        f"{path}: its dark shapes lie under too many light ones; remove hidden "
+                        "shapes, or name layers " + role_names()
                     )
                 cover = shapely.union_all(tree.geometries[np.sort(later)])
                 visible[index] = opened(area, cover)

@@ -18,7 +18,7 @@ from multisrt.environments.formats.svg.tree import Drawn
 from multisrt.geometry.numerics.arrays import FloatArray
 
 MIN_RADIUS_M: Final = 1e-6
-"""Half the width below which a stroke covers nothing, in metres."""
+"""Half the width of a stroke below which it covers nothing, in metres."""
 
 CAPS: Final[dict[str, Literal["flat", "round", "square"]]] = {
     "butt": "flat",
@@ -40,11 +40,11 @@ class Outline(NamedTuple):
     Attributes
     ----------
     local : list of Subpath
-        In its user space, in which its stroke is drawn.
+        In its user space, where its stroke is drawn.
     metres : list of Subpath
         In metres.
     scale : float
-        Largest number of metres to a user unit in any direction.
+        Maximum number of metres per user unit, over all directions.
     """
 
     local: list[Subpath]
@@ -53,12 +53,12 @@ class Outline(NamedTuple):
 
 
 def outline(drawn: Drawn) -> Outline:
-    """Return the lines of a shape, with curves within `FLATNESS_M` of them.
+    """Return the lines of a shape, with curves as polylines within `FLATNESS_M`.
 
     Raises
     ------
     SvgError
-        If an attribute is wrong, or a point is further away than worlds are large.
+        If an attribute is wrong, or a coordinate exceeds `MAX_COORDINATE_M`.
     """
     linear = drawn.matrix[:2, :2]
     (a, b), (c, d) = linear
@@ -76,7 +76,7 @@ def outline(drawn: Drawn) -> Outline:
 
 
 def fill_area(path: Path, drawn: Drawn, lines: Outline, rule: str = "fill-rule") -> BaseGeometry:
-    """Return the area inside a shape, open ends joined, in metres."""
+    """Return the area inside a shape in metres; open lines are closed."""
     return filled(path, [points for points, _ in lines.metres], _fill_rule(drawn, rule))
 
 
@@ -96,7 +96,7 @@ def stroke_area(drawn: Drawn, lines: Outline, px_m: float) -> BaseGeometry:
     lines : Outline
         Its lines.
     px_m : float
-        Metres per CSS pixel, for strokes that do not scale.
+        Metres per CSS pixel, for strokes with ``non-scaling-stroke``.
 
     Raises
     ------
@@ -134,7 +134,7 @@ def stroke_area(drawn: Drawn, lines: Outline, px_m: float) -> BaseGeometry:
 def stroke_sides(drawn: Drawn, lines: Outline, px_m: float) -> list[FloatArray]:
     """Return the edges of the stroke of a shape, without its joins, in metres.
 
-    They are where the stroke would be if its transform had the same scale in all directions.
+    They are computed as if its transform had the same scale in all directions.
     """
     if drawn.style["stroke"].strip().lower() in ("none", "transparent"):
         return []
@@ -151,7 +151,7 @@ def _stroke_radius(drawn: Drawn, lines: Outline, px_m: float) -> tuple[float, fl
     diagonal = math.hypot(*drawn.viewport) / math.sqrt(2)
     width = length(style["stroke-width"], diagonal)
     if width < 0:
-        raise SvgError(f"the stroke-width is {width:g}; it is not negative")
+        raise SvgError(f"the stroke-width is {width:g}; it must not be negative")
     is_fixed = style["vector-effect"] == "non-scaling-stroke"
     radius = width * px_m / 2 if is_fixed else width / 2
     radius_m = radius if is_fixed else radius * lines.scale
@@ -163,7 +163,7 @@ def _stroke_radius(drawn: Drawn, lines: Outline, px_m: float) -> tuple[float, fl
 def _fill_rule(drawn: Drawn, name: str) -> FillRule:
     rule = drawn.style[name]
     if rule not in ("nonzero", "evenodd"):
-        raise SvgError(f"the {name} is {rule[:40]!r}; it is nonzero or evenodd")
+        raise SvgError(f"the {name} is {rule[:40]!r}; it must be nonzero or evenodd")
     return cast(FillRule, rule)
 
 
@@ -193,7 +193,7 @@ def _local(drawn: Drawn, tolerance: float) -> list[Subpath]:
         case "rect":
             x, y, w, h = sizes("x", "y", "width", "height")
             rounds = [attributes.get(name, "auto").strip() for name in ("rx", "ry")]
-            # One that is not given is as the other.
+            # A radius that is not given equals the other.
             own = [one for one in rounds if one != "auto"] or ["0"]
             radii = [
                 length(own[0] if one == "auto" else one, whole)

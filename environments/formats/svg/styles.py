@@ -36,13 +36,13 @@ OWN: Final = {
 """Properties that concern an element itself, with their initial values."""
 
 MAX_STYLE_CHARACTERS: Final = 2**20
-"""Upper bound of the text of a style sheet."""
+"""Upper bound of the length of a style sheet, in characters."""
 
 MAX_RULES: Final = 2_000
 """Upper bound of the rules of style sheets."""
 
 MAX_MATCHES: Final = 5_000_000
-"""Upper bound of the rules that are tried on elements."""
+"""Upper bound of the number of times that a rule is tried on an element."""
 
 _PROPERTIES: Final = INITIAL.keys() | OWN.keys()
 _SIMPLE: Final = re.compile(r"(\*|[\w-]+)?((?:[.#][\w-]+)*)\Z")
@@ -64,14 +64,14 @@ class StyleSheet:
     path : Path
         The file, for messages.
     sheets : iterable of Element
-        The ``style`` elements. Of their selectors, those of an element, of classes and of an
-        identifier are understood (``rect``, ``.wall``, ``g.wall``, ``#outline``, ``*``). Rules of
-        states (``:hover``) and of media do not apply to a drawing on paper.
+        The ``style`` elements. Selectors of an element, classes and an identifier are supported
+        (``rect``, ``.wall``, ``g.wall``, ``#outline``, ``*``). Rules with pseudo-classes
+        (``:hover``) and at-rules (``@media``) are ignored.
 
     Raises
     ------
     MapFormatError
-        If a rule for a property that matters here has another selector.
+        If a rule for a supported property has another selector.
     """
 
     def __init__(self, path: Path, sheets: list[Element]) -> None:
@@ -80,7 +80,7 @@ class StyleSheet:
         self._tried = 0
         for sheet in sheets:
             self._read(sheet)
-        # Stable: of two rules that are equally specific, the later counts.
+        # The sort is stable: of two equally specific rules, the later counts.
         self._rules.sort(key=lambda r: (len(r.ids), len(r.classes), r.tag not in ("", "*")))
 
     def _read(self, sheet: Element) -> None:
@@ -133,7 +133,7 @@ class StyleSheet:
         Raises
         ------
         MapFormatError
-            If rules would have to be tried too often.
+            If rules would be tried too often.
         """
         attributes = element.attributes
         given = {name: attributes[name] for name in _PROPERTIES & attributes.keys()}
@@ -193,7 +193,7 @@ def _without_at_rules(text: str) -> str:
 
 
 def declarations(body: str) -> tuple[dict[str, str], dict[str, str]]:
-    """Return the properties that matter here of a text ``name: value; ...``, and the important.
+    """Return the supported properties of a text ``name: value; ...``, and the important ones.
 
     Examples
     --------
@@ -229,7 +229,7 @@ def lightness_and_alpha(paint: str, color: str) -> tuple[float, float] | None:
     paint : str
         The value of ``fill`` or ``stroke``.
     color : str
-        What ``currentColor`` is.
+        The value of ``currentColor``.
 
     Raises
     ------
@@ -249,7 +249,7 @@ def lightness_and_alpha(paint: str, color: str) -> tuple[float, float] | None:
     if paint.lower() in ("none", "transparent"):
         return None
     alpha = 1.0
-    # The fourth number of rgba is a share; without it the rest is rgb.
+    # Pillow takes no share as the alpha of rgba: split it off, and parse the rest as rgb.
     found = re.fullmatch(
         r"(rgb|hsl)a?\(([^,()]+),([^,()]+),([^,()]+)(?:,([^,()]+))?\)", paint, re.IGNORECASE
     )

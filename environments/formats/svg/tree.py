@@ -27,10 +27,10 @@ LABEL: Final = "http://www.inkscape.org/namespaces/inkscape label"
 HREFS: Final = ("href", "http://www.w3.org/1999/xlink href")
 
 MAX_DRAWN: Final = 25_000
-"""Upper bound of the elements that are drawn, those in symbols as often as they are used."""
+"""Upper bound of the elements that are drawn; those in symbols count once for each use."""
 
 MAX_CHARACTERS: Final = 6 * 2**20
-"""Upper bound of the characters of their attributes, counted likewise."""
+"""Upper bound of the characters in their attributes, counted in the same way."""
 
 SHAPES: Final = frozenset({"path", "rect", "circle", "ellipse", "line", "polyline", "polygon"})
 GROUPS: Final = frozenset({"g", "a", "svg", "switch"})
@@ -58,11 +58,11 @@ class Drawn(NamedTuple):
     opacity : float
         Opacity of the shape and of all groups around it.
     role : Role or None
-        By its own names, or else those of the nearest group that has one.
+        Role by its own names, or else by those of the nearest group that has one.
     clips : tuple of Clip
-        What it is cut to.
+        The clip paths that apply to it.
     viewport : (width, height)
-        What lengths in per cent refer to, in user units.
+        Size to which lengths in per cent refer, in user units.
     """
 
     element: Element
@@ -105,19 +105,19 @@ class Document:
             raise MapFormatError(f"{path} has the root {root.name[:40]}; the root of SVG is svg")
         self.path = path
         self.root = root
-        elements = [one for one in _all(root) if is_svg(one)]
+        elements = [one for one in _all_elements(root) if is_svg(one)]
         self.by_id = {one.attributes["id"]: one for one in elements if "id" in one.attributes}
         self._sheet = StyleSheet(path, [one for one in elements if one.name == "style"])
         self._count = self._characters = 0
 
     def wrong(self, element: Element, what: object) -> MapFormatError:
-        """Return an error at an element."""
+        """Return an error about an element, with its line."""
         return MapFormatError(f"{self.path}, line {element.line}, <{element.name[:40]}>: {what}")
 
     def drawn(
         self, element: Element, transform: FloatArray, viewport: tuple[float, float]
     ) -> Iterator[Drawn]:
-        """Return the shapes in an element that are drawn, in their order.
+        """Yield the shapes in an element that are drawn, in drawing order.
 
         Parameters
         ----------
@@ -131,8 +131,8 @@ class Document:
         Raises
         ------
         MapFormatError
-            If an attribute is wrong, a reference leads nowhere or out of the file, or too much is
-            drawn.
+            If an attribute is wrong, a reference has no target or leads out of the file, or too
+            much is drawn.
         """
         try:
             style = self._sheet.computed(element, INITIAL)
@@ -155,24 +155,24 @@ class Document:
         if self._characters > MAX_CHARACTERS:
             raise self.wrong(
                 element,
-                f"what is drawn has more than {MAX_CHARACTERS:,} characters, with symbols as often "
-                "as they are used; simplify it",
+                f"what is drawn has more than {MAX_CHARACTERS:,} characters, counting symbols once "
+                "for each use; simplify it",
             )
         if around.depth > MAX_DEPTH:
             raise self.wrong(element, f"groups and uses are nested more than {MAX_DEPTH} deep")
         try:
-            context = self._inside(element, around)
+            context = self._context_in(element, around)
             if context is None:
                 return
             if element.name == "use":
-                target, context = self._used(element, context)
+                target, context = self._use_target(element, context)
                 children = [target]
                 if target.name == "symbol":
-                    context = self._named(target, context)
+                    context = self._in_symbol(target, context)
                     children = target.children
             else:
                 if element.name == "svg":
-                    context = self._nested(element, context)
+                    context = self._in_svg(element, context)
                 children = element.children if element.name in GROUPS else []
         except SvgError as error:
             raise self.wrong(element, error) from error
@@ -183,8 +183,8 @@ class Document:
         for child in children:
             yield from self._drawn(child, context)
 
-    def _inside(self, element: Element, around: _Context) -> _Context | None:
-        """Return what holds in an element; None if it is not displayed."""
+    def _context_in(self, element: Element, around: _Context) -> _Context | None:
+        """Return the context in an element; None if it is not displayed."""
         style = self._sheet.computed(element, around.style)
         if style["display"] == "none":
             return None
@@ -208,8 +208,8 @@ class Document:
             context = context._replace(clips=(*context.clips, clip))
         return context
 
-    def _used(self, use: Element, context: _Context) -> tuple[Element, _Context]:
-        """Return what a ``use`` element draws, and what holds there."""
+    def _use_target(self, use: Element, context: _Context) -> tuple[Element, _Context]:
+        """Return the element that a ``use`` element draws, and its context."""
         href = next((use.attributes[name] for name in HREFS if name in use.attributes), "")
         target = self._referred(href)
         x, y = (
@@ -224,13 +224,13 @@ class Document:
                 for name in ("width", "height")
             )
             if target.name == "symbol":
-                context = self._viewed(target, context, width, height)
+                context = self._with_viewport(target, context, width, height)
             else:
                 sized = target.attributes | {"width": width, "height": height}
                 target = Element("svg", SVG_NAMESPACE, sized, target.line, target.children)
         return target, context
 
-    def _named(self, symbol: Element, context: _Context) -> _Context:
+    def _in_symbol(self, symbol: Element, context: _Context) -> _Context:
         style = self._sheet.computed(symbol, context.style)
         return context._replace(
             style=style,
@@ -247,7 +247,7 @@ class Document:
             raise SvgError(f"there is no {name[:40]!r} in the file")
         return target
 
-    def _nested(self, element: Element, context: _Context) -> _Context:
+    def _in_svg(self, element: Element, context: _Context) -> _Context:
         attributes = element.attributes
         x, y = (
             length(attributes.get(name, "0"), whole)
@@ -256,10 +256,12 @@ class Document:
         moved = np.array([[1, 0, x], [0, 1, y], [0, 0, 1.0]])
         context = context._replace(matrix=_product(context.matrix, moved))
         width, height = (attributes.get(name, "100%") for name in ("width", "height"))
-        return self._viewed(element, context, width, height)
+        return self._with_viewport(element, context, width, height)
 
-    def _viewed(self, element: Element, context: _Context, width: str, height: str) -> _Context:
-        """Return what holds in an element with a viewport of that size."""
+    def _with_viewport(
+        self, element: Element, context: _Context, width: str, height: str
+    ) -> _Context:
+        """Return the context in an element with a viewport of that size."""
         w, h = (
             length(one, whole) for one, whole in zip((width, height), context.viewport, strict=True)
         )
@@ -272,7 +274,7 @@ class Document:
 
 
 def is_svg(element: Element) -> bool:
-    """Return whether an element is of SVG; those without a namespace are taken for it."""
+    """Return whether an element is of SVG; elements without a namespace count as such."""
     return element.namespace in ("", SVG_NAMESPACE)
 
 
@@ -301,7 +303,7 @@ def _product(outer: FloatArray, inner: FloatArray) -> FloatArray:
     return product
 
 
-def _all(root: Element) -> Iterator[Element]:
+def _all_elements(root: Element) -> Iterator[Element]:
     waiting = [root]
     while waiting:
         element = waiting.pop()

@@ -100,8 +100,8 @@ def save_animation(
     recording : Recording
         The run.
     path : str or Path
-        The file, which is replaced once the animation is complete. Its suffix says the format, one
-        of `FORMATS`.
+        The file, which is replaced once the animation is complete. Its suffix determines the
+        format, one of `FORMATS`.
     duration_s, speed, fps, size, without
         As for `multisrt.Run.animate`.
     say : callable, optional

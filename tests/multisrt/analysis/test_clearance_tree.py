@@ -26,7 +26,7 @@ def rooms(*doors):
 
 
 def reached_share(free, radius):
-    """The share of free space that a disc gets to, by erosion and dilation."""
+    """The share of free space that a disc reaches, by erosion and dilation."""
     room = free.buffer(-radius, quad_segs=64)
     shares = [0.0]
     for part in shapely.get_parts(room):

@@ -29,7 +29,7 @@ def test_a_room_behind_a_narrow_door_is_out_of_reach():
     (door,) = check.blocking
     assert door.width_m == pytest.approx(0.4)
     (problem,) = check.problems
-    assert "gets to 50.0 %" in problem
+    assert "reaches 50.0 %" in problem
 
 
 def test_a_body_as_wide_as_the_door_passes():

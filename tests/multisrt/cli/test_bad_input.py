@@ -89,7 +89,7 @@ def bad_worlds(folder: Path) -> None:
         (["open", "--resolution", "0.1"], "images"),
         (["open", "--starts-from", "team.txt"], "images"),
         (["room.wkt", "--starts-from", "team.txt"], "room.wkt is not a plain image"),
-        (["team.txt"], "with --starts-from and this file"),
+        (["team.txt"], "give this file with --starts-from"),
         (["lost.world"], "lost.world, line 1 names the bitmap cave.png, which is not in"),
         (["room.wkt", "--option", "colour=red"], "colour"),
         (["room.wkt", "--option", "alpha=much"], "alpha"),

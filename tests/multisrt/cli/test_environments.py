@@ -22,7 +22,7 @@ def test_environments_show_draws_a_map(call, folder):
     assert ET.parse(folder / "office.svg").getroot().tag.endswith("svg")
     code, out, _ = call("environments", "show", "pillar.wkt", "--out", "p.svg")
     assert code == 0
-    assert "9 x 6 m, 50 m2 free, 8 edges, 1 area" in out
+    assert "9 x 6 m, 50 m2 free, 8 edges, 1 part" in out
     assert (folder / "p.svg").exists()
 
 
@@ -94,7 +94,10 @@ def test_environments_export_keeps_world_and_starts(call, folder):
         (["office"], "--out"),
         (["office", "--out", "x.wkt", "--cell", "0.1"], "--cell has no meaning for .wkt"),
         (["office", "--out", "x.yaml", "--height", "2"], "--height has no meaning for .yaml"),
-        (["office", "--out", "x.stl", "--height", "0"], "the height of walls is 0.01 to 1000 m"),
+        (
+            ["office", "--out", "x.stl", "--height", "0"],
+            "the height of walls must be 0.01 to 1000 m",
+        ),
         (["office", "--out", "none/x.yaml"], "cannot write none/x.yaml: there is no folder none"),
         (["nowhere", "--out", "x.yaml"], "nowhere"),
     ],

@@ -12,9 +12,9 @@ def test_a_map_that_suits_the_body_exits_with_0(call):
     assert (code, err) == (0, "")
     assert out.splitlines()[:2] == [
         "pillar: 9 x 6 m, 50 m2 free, 8 vertices",
-        "parts: 1 area",
+        "free space: 1 part",
     ]
-    assert "the body disc:0.25 gets to 100 % of it" in out
+    assert "the body disc:0.25 reaches 100 % of it" in out
 
 
 def test_a_narrow_door_is_a_problem(call, folder):
@@ -22,7 +22,7 @@ def test_a_narrow_door_is_a_problem(call, folder):
     assert (code, err) == (1, "")
     assert re.search(r"narrowest passage: 0.4 m wide at \(6.[012]., 2.20\), 30.\d+ m2", out)
     assert "is 0.4 m wide: bodies up to 0.2 m in radius pass" in out
-    assert "\nproblem: the body disc:0.25 gets to 50.0 % of the main part" in out
+    assert "\nproblem: the body disc:0.25 reaches 50.0 % of the main part" in out
     assert ET.parse(folder / "narrow.svg").getroot().tag.endswith("svg")
     assert call("environments", "check", "narrow.wkt", "--footprint", "disc:0.2")[0] == 0
 
@@ -98,7 +98,7 @@ def test_fix_drops_closes_and_simplifies(call, folder):
 def test_options_of_fix_need_it(call):
     code, _, err = call("environments", "check", "room.wkt", "--close", "0.2")
     assert code == 2
-    assert "--close is for --fix OUT" in err
+    assert "--close requires --fix OUT" in err
 
 
 def test_images_say_how_far_walls_moved(call, folder):

@@ -1,4 +1,4 @@
-"""What is said of the separate areas of a world, and of robots that start in a minor one."""
+"""What is said of the separate parts of a world, and of robots that start in a minor one."""
 
 import re
 
@@ -19,14 +19,14 @@ def test_a_start_in_the_largest_area_needs_no_word():
 
 def test_a_start_in_a_minor_area_is_said():
     assert elsewhere(ROOMS, (1.0, 1.0)) == (
-        "free space has 2 separate areas (40, 4 m2), and the start is in that of 4 m2 (9 %); "
+        "free space has 2 separate parts (40, 4 m2), and the start is in that of 4 m2 (9 %); "
         "the largest has 40 m2, e.g. at (8.00, 2.00)"
     )
 
 
 def test_a_start_outside_of_the_building_is_said():
     assert elsewhere(PLAN, (0.5, 0.5)) == (
-        "free space has 2 separate areas (49, 36 m2), and the start is in that of 36 m2 (42 %), "
+        "free space has 2 separate parts (49, 36 m2), and the start is in that of 36 m2 (42 %), "
         "which lies around others and touches the border of the map; the largest inside has "
         "49 m2, e.g. at (5.00, 5.00)"
     )
@@ -42,15 +42,15 @@ def test_a_start_in_the_largest_of_many_is_said_by_its_share():
     halls = [shapely.box(11 * k, 0, 11 * k + 10, 4 + 0.1 * (k == 0)) for k in range(7)]
     world = Environment("halls", shapely.union_all(halls))
     assert elsewhere(world, (1.0, 1.0)) == (
-        "free space has 7 separate areas (41, 40, 40, 40, 40, ... m2), and the start is in that "
+        "free space has 7 separate parts (41, 40, 40, 40, 40, ... m2), and the start is in that "
         "of 41 m2 (15 %)"
     )
 
 
 def test_areas_and_what_lies_around():
-    assert areas(PLAN) == "2 separate areas (49, 36 m2)"
+    assert areas(PLAN) == "2 separate parts (49, 36 m2)"
     assert around(PLAN) == (
-        "the area of 36 m2 lies around the others: it touches the border of the map"
+        "the part of 36 m2 lies around the others: it touches the border of the map"
     )
     assert around(ROOMS) == ""
 
@@ -62,11 +62,11 @@ def test_explore_says_where_the_robots_are(call, folder):
     small = ("--footprint", "disc:0.2")
     code, out, _ = call("explore", "rooms.wkt", "--start", "1,1", *small)
     assert code == 0
-    assert "2 separate areas (40, 4 m2), and the start is in that of 4 m2 (9 %)" in out
+    assert "2 separate parts (40, 4 m2), and the start is in that of 4 m2 (9 %)" in out
     # The body is not the reason why the other room is not explorable.
     assert "with the body" not in out
     _, out, _ = call("explore", "rooms.wkt", "--start", "5,1", *small, "--out", "large")
-    assert "separate areas" not in out
+    assert "separate parts" not in out
     assert "with the body" not in out
     _, out, _ = call("explore", "plan.wkt", "--start", "0.5,0.5", *small)
     assert "which lies around others and touches the border of the map" in out
@@ -77,7 +77,7 @@ def test_explore_says_where_the_body_is_the_reason(call):
     # Two rooms of 30 m2, with a door of 0.4 m between them.
     code, out, _ = call("explore", "narrow.wkt", "--start", "1,1", "--range", "1")
     assert code == 0
-    assert "separate areas" not in out
+    assert "separate parts" not in out
     assert re.search(r"with the body disc:0.25 only \d+\.\d of 60\.1 m2 of free space are", out)
 
 
@@ -85,8 +85,8 @@ def test_environments_show_tells_of_areas(call, folder):
     (folder / "plan.wkt").write_text(shapely.to_wkt(PLAN.free))
     code, out, _ = call("environments", "show", "plan.wkt")
     assert code == 0
-    assert "2 separate areas (49, 36 m2)" in out
-    assert "the area of 36 m2 lies around the others" in out
+    assert "2 separate parts (49, 36 m2)" in out
+    assert "the part of 36 m2 lies around the others" in out
 
 
 def test_experiment_check_warns_of_starts_outside(call, folder):

@@ -156,7 +156,7 @@ def test_the_world_of_a_run_has_the_starts_of_its_robots(team, tmp_path):
         ({"robot": 1, "time_s": 1.0}, "robot 1 knew nothing yet at 1 s"),
     ],
 )
-def test_what_was_not_there_is_refused(team, given, said, tmp_path):
+def test_unknown_robots_and_times_are_refused(team, given, said, tmp_path):
     with pytest.raises(ms.InvalidInputError, match=said):
         team.save_map(tmp_path / "a.yaml", **given)
     assert list(tmp_path.iterdir()) == []

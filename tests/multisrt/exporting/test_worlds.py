@@ -65,7 +65,7 @@ def test_equal_worlds_give_equal_bytes(tmp_path):
     ("name", "said"),
     [
         ("rooms.geojsn", "did you mean '.geojson'"),
-        ("rooms", "no suffix says the format"),
+        ("rooms", "no suffix determines the format"),
         ("rooms.mcap", "'.mcap' is no format of maps"),
         ("nowhere/rooms.wkt", "cannot write"),
     ],

@@ -100,6 +100,11 @@ class Subject:
         return "suggested" if len(self.world.starts) >= 2 else "clustered"
 
     @property
+    def key(self) -> tuple[str, str, str, str]:
+        """What its runs depend on: equal for two files that hold one world of one name."""
+        return (self.world.name, self.world.digest, self.body, self.starts)
+
+    @property
     def block(self) -> Block:
         """Its block of the experiment."""
         return Block(environments=(self.choice,), bodies=(self.body,), starts=(self.starts,))
@@ -115,9 +120,11 @@ def main() -> None:
     spec = experiment(subjects)
     store = given.out / "maps.sqlite"
     results = ms.compare(spec, store=store, workers=given.workers).results
-    made: dict[str, dict[str, Result]] = defaultdict(dict)
+    by_run: dict[str, dict[str, Result]] = defaultdict(dict)
     for result in results:
-        made[result.condition.environment][result.condition.strategy] = result
+        by_run[result.condition.environment][result.condition.strategy] = result
+    labels = {subject.key: subject.label for subject in reversed(subjects)}
+    made = {subject.label: by_run[labels[subject.key]] for subject in subjects}
     (given.out / "maps.md").write_text(page(subjects, made, refused), encoding="utf-8")
     with Store.open(store) as opened:
         recordings = {
@@ -167,12 +174,16 @@ def read(path: Path, label: str) -> Subject:
 
 
 def experiment(subjects: Sequence[Subject]) -> ExperimentSpec:
-    """Return the experiment: two robots in each map, by each strategy."""
+    """Return the experiment: two robots in each map, by each strategy.
+
+    Files that hold the same world are explored once.
+    """
+    distinct = {subject.key: subject for subject in reversed(subjects)}
     return ExperimentSpec(
         name="Maps",
         strategies=STRATEGIES,
         robots=(2,),
-        blocks=tuple(subject.block for subject in subjects),
+        blocks=tuple(subject.block for subject in reversed(distinct.values())),
         limits=Limits(computing_s=3600.0, memory_mb=6000),
         recordings="all",
     )
@@ -184,7 +195,7 @@ def page(
     refused: Mapping[str, str],
 ) -> str:
     """Return the table as a page of Markdown."""
-    results = [result for by_strategy in made.values() for result in by_strategy.values()]
+    results = {result.key: result for of in made.values() for result in of.values()}.values()
     complete = sum(result.status == "complete" for result in results)
     hours = sum(result.computing_s for result in results) / 3600.0
     lines = [

@@ -21,6 +21,7 @@ def folder(tmp_path):
     (found / "README.md").write_text("# Maps\n")
     (found / "room.wkt").write_text(ROOM)
     (found / "plans" / "narrow.wkt").write_text(NARROW)
+    (found / "plans" / "room.wkt").write_text(ROOM)
     (found / "open.wkt").write_text("POLYGON ((0 0, 6 0, 6 4))")
     pixels = np.full((60, 80), 255, np.uint8)
     pixels[[0, -1], :] = pixels[:, [0, -1]] = 0
@@ -31,7 +32,7 @@ def folder(tmp_path):
 def test_files_are_read_or_refused(folder):
     subjects, refused = maps.read_all(folder)
     by_label = {subject.label: subject for subject in subjects}
-    assert list(by_label) == ["plans/narrow.wkt", "room.wkt", "scan.png"]
+    assert list(by_label) == ["plans/narrow.wkt", "plans/room.wkt", "room.wkt", "scan.png"]
     assert list(refused) == ["open.wkt"]
     assert refused["open.wkt"].startswith("open.wkt")
     assert by_label["scan.png"].world.area_m2 == pytest.approx(78 * 58 * 0.05**2)
@@ -60,8 +61,15 @@ def test_the_page_has_a_row_for_each_map(folder, tmp_path, monkeypatch, capsys):
     maps.main()
     page = (out / "maps.md").read_text()
     rows = [line.split(" | ") for line in page.splitlines() if line.startswith("| `")]
-    assert [row[0] for row in rows] == ["| `plans/narrow.wkt`", "| `room.wkt`", "| `scan.png`"]
+    assert [row[0] for row in rows] == [
+        "| `plans/narrow.wkt`",
+        "| `plans/room.wkt`",
+        "| `room.wkt`",
+        "| `scan.png`",
+    ]
+    # One room in two files is explored once.
     assert "6 of 6 runs ended complete" in page
+    assert rows[1][1:] == rows[2][1:]
     assert "`open.wkt`: open.wkt" in page
     with Store.open(out / "maps.sqlite") as store:
         results = store.results()
@@ -69,6 +77,6 @@ def test_the_page_has_a_row_for_each_map(folder, tmp_path, monkeypatch, capsys):
         (result.condition.environment, result.condition.strategy): result.metrics.coverage
         for result in results
     }
-    assert rows[1][6] == f"{coverage['room.wkt', 'srt-radial']:.3f}"
+    assert rows[1][6] == f"{coverage['plans/room.wkt', 'srt-radial']:.3f}"
     drawn = ET.parse(out / "maps.svg").getroot()
-    assert len(drawn.findall("{http://www.w3.org/2000/svg}svg")) == 3
+    assert len(drawn.findall("{http://www.w3.org/2000/svg}svg")) == 4

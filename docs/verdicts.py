@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 import sys
 from pathlib import Path
+from typing import NamedTuple
 
 SUMMARY = Path(__file__).resolve().parent / "results" / "README.md"
 PAPERS = {
@@ -29,8 +30,19 @@ HEADS = {
 MAX_NAMED = 3
 """Upper bound of the claims of a paper that are named where they are not significant."""
 
-Verdicts = list[tuple[str, str]]
-"""Claims with their verdicts, in the order of a page."""
+
+class Judged(NamedTuple):
+    """A claim, its verdict, and other verdicts with what they are by: ``"no support: holds"``."""
+
+    text: str
+    verdict: str
+    others: tuple[str, ...] = ()
+
+    @property
+    def told(self) -> str:
+        """The claim, followed by other verdicts that differ from its own."""
+        differing = [other for other in self.others if not other.endswith(f": {self.verdict}")]
+        return f"{self.text.rstrip('.')} ({'; '.join(differing)})." if differing else self.text
 
 
 def main() -> None:
@@ -80,24 +92,29 @@ def verdicts(results: Path) -> str:
     return "\n".join(lines)
 
 
-def claims_of(page: str) -> Verdicts:
-    """Return the claims of a page with their verdicts."""
+def claims_of(page: str) -> list[Judged]:
+    """Return the claims of a page with their verdicts, in its order."""
     found = re.search(r"^## Claims\n\n\| claim \| verdict \|.*\n\|.*\n((?:\|.*\n)+)", page, re.M)
     if found is None:
         raise ValueError("there is no table of claims")
-    rows = [line.strip("|").split("|") for line in found.group(1).splitlines()]
-    return [(text.strip(), verdict.partition("(")[0].strip()) for text, verdict, *_ in rows]
+    claims = []
+    for line in found.group(1).splitlines():
+        text, verdict, *_ = (cell.strip() for cell in line.strip("|").split("|"))
+        verdict, _, others = verdict.partition(" (")
+        by = [other for other in others.rstrip(")").split("; ") if ": " in other]
+        claims.append(Judged(text, verdict, tuple(by)))
+    return claims
 
 
-def _paper(link: str, claims: Verdicts, *, is_earlier: bool) -> list[str]:
-    holding = [text for text, verdict in claims if verdict == "holds"]
+def _paper(link: str, claims: list[Judged], *, is_earlier: bool) -> list[str]:
+    holding = [claim.told for claim in claims if claim.verdict == "holds"]
     verb = "holds" if len(holding) == 1 else "hold"
     count = f"{len(holding)} of {len(claims)} claims {verb}" + (":" if holding else ".")
     whose = f"{link}, by an earlier version of the experiment" if is_earlier else link
     lines = [" ".join((f"- **{whose}: {count}**", *holding))]
     others = []
     for verdict, head in HEADS.items():
-        texts = [text for text, of in claims if of == verdict]
+        texts = [claim.told for claim in claims if claim.verdict == verdict]
         is_short = verdict == "does not hold" or len(texts) <= MAX_NAMED
         if texts:
             others.append(f"*{head}:* {' '.join(texts) if is_short else f'{len(texts)} claims.'}")

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol
 
 from multisrt.experiments.crossing import Condition, conditions
@@ -99,11 +99,14 @@ class Family:
     paired : bool
         Whether values with one repetition number are pairs, with the same world or starts. If
         not, one number still means one repetition in all cells of a side.
+    parts : mapping of str to Family
+        Some of the cells, by name, which are also tested by themselves; no verdict depends on it.
     """
 
     comparisons: list[Comparison]
     quantity: Quantity
     paired: bool = True
+    parts: Mapping[str, Family] = field(default_factory=dict)
 
     @property
     def with_runs(self) -> list[Comparison]:

@@ -127,7 +127,8 @@ def judge(
     where = " in one cell" * (scope == "somewhere")
     grounds = []
     if whole is not None:
-        grounds += [family_line(whole, sides), count_line(findings, so, otherwise)]
+        grounds.append(_family_lines(family, whole, sides))
+        grounds.append(count_line(findings, so, otherwise))
     if limit is not None:
         grounds.append(power_line(limit, family.quantity) + where)
     if not comparisons:
@@ -139,13 +140,14 @@ def judge(
         grounds.append(f"{missing} of {len(comparisons)} comparisons have no runs yet")
     if findings:
         grounds.append(method_line(findings))
+    others: list[tuple[str, Verdict]] = []
     if beside is not None:
         other = weigh_family(beside)
         if other is not None:
             verdict_beside = _decide(beside, other, weigh(beside.comparisons), scope)
-            grounds.append(
-                f"{beside.quantity.heading}: {verdict_beside}; {family_line(other, sides)}"
-            )
+            others.append((beside.quantity.heading, verdict_beside))
+            lines = _family_lines(beside, other, sides)
+            grounds.append(f"{beside.quantity.heading}: {verdict_beside}; {lines}")
     shown = (
         findings if len(findings) <= MAX_SHOWN else [f for f in findings if f.saying == "against"]
     )
@@ -157,9 +159,20 @@ def judge(
             verdict=decided,
             grounds=tuple(grounds),
             would_show="" if limit is None else would_show(limit) + where,
+            other_verdicts=tuple(others),
         ),
         table=cells_table(text, whole, findings, quantity, sides),
     )
+
+
+def _family_lines(family: Family, whole: FamilyFinding, sides: Sides) -> str:
+    """Return the sentence on a family, and below it those on its parts."""
+    parts = [
+        f"{name}: {family_line(found, sides)}"
+        for name, part in family.parts.items()
+        if (found := weigh_family(part)) is not None
+    ]
+    return "\n  - ".join((family_line(whole, sides), *parts))
 
 
 def _decide(

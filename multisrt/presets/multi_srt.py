@@ -104,6 +104,11 @@ DEVIATIONS = (
     ),
     Deviation("Teams: 1, 2, 4, 8 and 16 robots. The paper gives no sizes in its text."),
     Deviation(
+        "Clustered starts: the robots stand around the place where the world suggests to start, "
+        "the same in all repetitions, which differ by the random draws of the strategy alone. "
+        "Scattered starts differ. The paper gives none."
+    ),
+    Deviation(
         "Groups: robots are coupled where their targets are nearer than 2 R_p, with both radios. "
         "For the unlimited one the paper names 3 R_p, 'as in the above case', where that is the "
         "largest distance between two such robots."

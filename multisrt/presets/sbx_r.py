@@ -55,6 +55,7 @@ from multisrt.statistics.rank_tests import Mark
 from multisrt.statistics.summaries import median
 
 QUICK_TEAMS = (3,)
+PAIR = 2
 REPETITIONS, QUICK_REPETITIONS = 31, 6
 RANGE_M = 4.0
 TIME, SPLIT = measure_named("known_complete_s"), measure_named("split_s")
@@ -229,14 +230,18 @@ def _judged(results: Results) -> list[Judged]:
 
 
 def _family(cells: Cells, claim: CellClaim, measure: Measure) -> Family:
+    """Return the family of a claim; pairs of robots and larger teams are parts of it."""
     # Cells that a quick experiment lacks are left out.
-    made = conditions_by_cell(cells)
-    return Family(
-        comparisons=[
-            _compared(cells, measure, cell, claim.better) for cell in claim.cells if cell in made
-        ],
-        quantity=measure,
-    )
+    made = [cell for cell in claim.cells if cell in conditions_by_cell(cells)]
+    pairs = [cell for cell in made if cell[2] == PAIR]
+    larger = [cell for cell in made if cell[2] != PAIR]
+
+    def family(of: Collection[Cell]) -> Family:
+        compared = [_compared(cells, measure, cell, claim.better) for cell in of]
+        return Family(comparisons=compared, quantity=measure)
+
+    parts = {"2 robots": pairs, "larger teams": larger} if pairs and larger else {}
+    return replace(family(made), parts={name: family(of) for name, of in parts.items()})
 
 
 def _beside(cells: Cells, claim: CellClaim) -> Family | None:

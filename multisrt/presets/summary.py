@@ -133,9 +133,16 @@ def _gaps(results: Results) -> str:
 
 
 def _verdicts(claim: Claim, beside: Beside) -> str:
-    """Return the verdict, and in brackets those by runs with a change."""
-    others = "; ".join(f"{by}: {other.verdict}" for by, other in beside.get(claim.text, ()))
-    return f"{claim.verdict} ({others})" if others else claim.verdict
+    """Return the verdict, and in brackets those by other quantities and by runs with a change."""
+    others = [f"{_plain(heading)}: {verdict}" for heading, verdict in claim.other_verdicts]
+    others += [f"{by}: {other.verdict}" for by, other in beside.get(claim.text, ())]
+    return f"{claim.verdict} ({'; '.join(others)})" if others else claim.verdict
+
+
+def _plain(heading: str) -> str:
+    """Return a heading without its unit, as it stands in a sentence."""
+    title = heading.partition(" (")[0]
+    return title[0].lower() + title[1:]
 
 
 def _claim(claim: Claim, ablations: Ablations | None, beside: Beside) -> str:

@@ -26,6 +26,8 @@ class Claim:
     would_show : str
         The smallest effect that this number of runs would have found, which tells a small effect
         from too few runs. Empty if the claim was not tested.
+    other_verdicts : tuple of (str, str)
+        Other quantities by which the claim can be judged, with the verdicts by them.
 
     Examples
     --------
@@ -45,6 +47,7 @@ class Claim:
     verdict: Verdict
     grounds: tuple[str, ...]
     would_show: str = ""
+    other_verdicts: tuple[tuple[str, Verdict], ...] = ()
 
     @property
     def told(self) -> str:

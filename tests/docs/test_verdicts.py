@@ -72,6 +72,13 @@ def test_many_claims_that_are_not_significant_are_counted(verdicts, results):
         assert line == f"  - *Does not hold:* It is not. *Not significant:* {told}"
 
 
+def test_other_verdicts_are_told_where_they_differ(verdicts, results):
+    row = "| It is so. | holds (by weight: holds; by length: not significant) |"
+    (results / "sbx-r.md").write_text(PAGE.replace("| It is so. | holds |", row))
+    (line,) = [line for line in verdicts.verdicts(results).splitlines() if "SBX-R" in line]
+    assert line.endswith("It is so (by length: not significant).")
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", PRESETS)
 def test_claims_of_a_page_that_is_made_today_are_read(verdicts, name):
@@ -79,7 +86,9 @@ def test_claims_of_a_page_that_is_made_today_are_read(verdicts, name):
     found = results_of(preset.experiment(True), SOME[name])
     claims = preset.claims(found)
     page = summary(preset, found, "it", claims=claims, tables=[])
-    assert verdicts.claims_of(page) == [(claim.text, claim.verdict) for claim in claims]
+    read = verdicts.claims_of(page)
+    assert [(one.text, one.verdict) for one in read] == [(one.text, one.verdict) for one in claims]
+    assert [len(one.others) for one in read] == [len(one.other_verdicts) for one in claims]
 
 
 def test_what_is_missing_is_named(verdicts, results):

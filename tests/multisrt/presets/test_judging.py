@@ -1,5 +1,6 @@
 import math
 from collections.abc import Iterable
+from dataclasses import replace
 
 import pytest
 
@@ -205,6 +206,27 @@ def test_another_quantity_is_judged_beside():
     assert claim.verdict == "holds"
     (line,) = [ground for ground in claim.grounds if KNOWN.title in ground]
     assert "does not hold" in line
+    assert claim.other_verdicts == ((KNOWN.heading, "does not hold"),)
+
+
+def test_parts_of_a_family_are_tested_by_themselves():
+    lower, higher = [1, 2, 3, 4, 5, 6], [6, 7, 8, 9, 10, 12]
+    clear, opposite = compared(lower, higher), compared(higher, lower)
+    whole = replace(family_of(clear, opposite), parts={"pairs": family_of(clear)})
+    judged = judge(
+        "Tortoises are faster.",
+        "Zeno",
+        whole,
+        scope="mostly",
+        so="",
+        otherwise="",
+        sides=("a", "b"),
+    )
+    first, *parts = judged.claim.grounds[0].split("\n  - ")
+    assert judged.claim.verdict == "not significant"
+    assert first.startswith("all 2 cells together, by 6 pairs")
+    assert len(parts) == 1
+    assert parts[0].startswith("pairs: the one cell, by 6 pairs of repetitions: a -")
 
 
 def test_grounds_give_the_numbers():

@@ -183,6 +183,7 @@ def experiment(subjects: Sequence[Subject]) -> ExperimentSpec:
         name="Maps",
         strategies=STRATEGIES,
         robots=(2,),
+        repetitions=1,
         blocks=tuple(subject.block for subject in reversed(distinct.values())),
         limits=Limits(computing_s=3600.0, memory_mb=6000),
         recordings="all",

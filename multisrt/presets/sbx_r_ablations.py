@@ -163,6 +163,32 @@ def _on_paths(others: Collection[str], *, robots: int, radio_m: int) -> Iterator
         )
 
 
+def _where_it_takes_longer(other: str, *, robots: int, radio_m: int) -> Iterator[Ablation]:
+    """Yield ablations of a condition where self-bidding takes longer than another strategy.
+
+    They ask whether cohesion, absent robots or the nearness diagram is the reason.
+    """
+    ours, theirs = CHOICES[SBX_R], CHOICES[other]
+    sides = [(IN_PLACE_OF[other], theirs, ours)]
+    for change in (WIDER, FORGETS):
+        changed = with_options(ours, change, OWN_CHANGES[SBX_R][change])
+        sides.append((f"{IN_PLACE_OF[other]}, {change}", theirs, changed))
+    on_paths = (
+        with_options(choice, FOLLOWS_PATH, EQUAL_CHANGES[FOLLOWS_PATH]) for choice in (theirs, ours)
+    )
+    sides.append((IN_PLACE_OF[other], *on_paths))
+    for change, base, changed in sides:
+        yield _ablation(
+            f"Where self-bidding takes longer than {other}",
+            change,
+            base,
+            changed,
+            against=(other,),
+            robots=robots,
+            radio_m=radio_m,
+        )
+
+
 ABLATIONS = Ablations(
     repetitions=15,
     run_s=6.0,
@@ -176,6 +202,8 @@ ABLATIONS = Ablations(
         *_on_paths((CLOSEST,), robots=2, radio_m=15),
         *_on_paths(OTHERS, robots=2, radio_m=20),
         *_on_paths((UTILITY,), robots=5, radio_m=15),
+        *_where_it_takes_longer(UTILITY, robots=3, radio_m=20),
+        *_where_it_takes_longer(UTILITY, robots=4, radio_m=20),
     ),
 )
 """The ablations of the page."""

@@ -108,9 +108,9 @@ def test_comparisons_take_numbers_of_numpy():
         ({"threshold": 1.1}, r"the threshold is 1\.1; lightness is in \[0, 1\]"),
         ({"threshold": np.float32(-1)}, "the threshold is -1; lightness"),
         ({"threshold": float("nan")}, "the threshold is nan; lightness"),
-        ({"threshold": "0.5"}, "the threshold is a number, not '0.5'"),
-        ({"resolution_m": "0.05"}, "the resolution is a number, not '0.05'"),
-        ({"resolution_m": np.array([1.0, 2.0])}, "the resolution is a number, not array"),
+        ({"threshold": "0.5"}, "the threshold must be a number, not '0.5'"),
+        ({"resolution_m": "0.05"}, "the resolution must be a number, not '0.05'"),
+        ({"resolution_m": np.array([1.0, 2.0])}, "the resolution must be a number, not array"),
         ({"resolution_m": float("inf")}, "the resolution is inf m per cell"),
     ],
 )

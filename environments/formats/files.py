@@ -17,6 +17,7 @@ from multisrt.environments.formats.bitmap import (
     displacement_bound_m,
     polygons_from_grid,
 )
+from multisrt.environments.layers import Layers
 from multisrt.geometry.errors import InvalidInputError, MapFormatError, escaped
 from multisrt.geometry.numerics.kernel import BoolArray
 
@@ -255,6 +256,7 @@ def build_environment(
     origin: str,
     starts: Sequence[tuple[float, float]] = (),
     cleaning: Cleaning | None = None,
+    layers: Layers | None = None,
 ) -> Environment:
     """Return the world of a file; its default name is that of the file without suffix.
 
@@ -262,7 +264,7 @@ def build_environment(
     ----------
     path : Path
         The file, for the name and for messages.
-    free, name, origin, starts, cleaning
+    free, name, origin, starts, cleaning, layers
         As for `Environment`.
 
     Raises
@@ -277,6 +279,7 @@ def build_environment(
             starts=starts,
             origin=escaped(origin),  # may hold names from the file
             cleaning=cleaning,
+            layers=layers,
         )
     except InvalidInputError as error:
         raise MapFormatError(f"{path}: {error}") from error

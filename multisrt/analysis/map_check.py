@@ -17,6 +17,7 @@ from multisrt.analysis.clearance_tree import (
 )
 from multisrt.environments.cleaning import CleaningOptions, cleaned
 from multisrt.environments.environment import Environment
+from multisrt.environments.layers import left_out_names
 from multisrt.environments.pieces import Enclosing, enclosing, pieces
 from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.errors import InvalidInputError
@@ -108,8 +109,22 @@ class MapCheck:
         return tuple(
             filter(
                 None,
-                (self._problem_of_parts(), self._problem_of_reach(), *self._problems_of_starts()),
+                (
+                    self._problem_of_layers(),
+                    self._problem_of_parts(),
+                    self._problem_of_reach(),
+                    *self._problems_of_starts(),
+                ),
             )
+        )
+
+    def _problem_of_layers(self) -> str:
+        layers = self.environment.layers
+        if layers is None or layers.bounds_space or not layers.left_out:
+            return ""
+        return (
+            f"no layer is read as walls or free space, and {left_out_names(layers)} "
+            f"{'is' if len(layers.left_out) == 1 else 'are'} left out: {layers.remedy}"
         )
 
     def _problem_of_parts(self) -> str:

@@ -222,6 +222,8 @@ def _describe(world: Environment, name: str) -> None:
     )
     if world.cleaning:
         click.echo(f"cleaned: {world.cleaning}")
+    if world.layers is not None:
+        click.echo(world.layers)
     if said := around(world):
         click.echo(said)
     for entry in catalog():

@@ -114,3 +114,31 @@ def test_explore_says_what_was_cleaned(call, folder):
     assert code == 0
     assert "  map cleaned: walls straightened within 0.673 m" in out
     assert "map cleaned" not in call("explore", "room.wkt")[1]
+
+
+def test_layers_left_out_are_told_and_a_problem(call, folder):
+    ink = 'xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape"'
+    (folder / "flat.svg").write_text(
+        f'<svg xmlns="http://www.w3.org/2000/svg" {ink} viewBox="0 0 10 8">'
+        '<g inkscape:groupmode="layer" inkscape:label="Layer 1"><path d="M0 4h9v1h-9z"/></g>'
+        '<g inkscape:groupmode="layer" inkscape:label="Furniture"><path d="M1 1h1v1z"/></g></svg>'
+    )
+    told = "layers read: Furniture (obstacles); left out: Layer 1 (1 shape); name layers walls, "
+    code, out, _ = call("environments", "check", "flat.svg", "--resolution", "1")
+    assert code == 1
+    assert told in out
+    assert (
+        "problem: no layer is read as walls or free space, and Layer 1 (1 shape) is left out: "
+        "name layers walls, obstacles, free, ... to read them" in out
+    )
+    code, out, _ = call("environments", "check", "flat.svg", "--resolution=1", "--fix", "flat.wkt")
+    assert code == 1
+    assert told in out
+    code, out, _ = call("environments", "show", "flat.svg", "--resolution", "1", "--out", "a.svg")
+    assert code == 0
+    assert told in out
+    text = (folder / "flat.svg").read_text().replace("Layer 1", "Walls")
+    (folder / "flat.svg").write_text(text)
+    code, out, _ = call("environments", "check", "flat.svg", "--resolution", "1")
+    assert "layers read: Walls (walls), Furniture (obstacles)\n" in out
+    assert "no layer" not in out

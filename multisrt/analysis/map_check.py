@@ -18,7 +18,7 @@ from multisrt.analysis.clearance_tree import (
 from multisrt.environments.cleaning import CleaningOptions, cleaned
 from multisrt.environments.environment import Environment
 from multisrt.environments.layers import left_out_names
-from multisrt.environments.pieces import Enclosing, enclosing, pieces
+from multisrt.environments.pieces import Enclosing, inside, pieces, start_in, surrounding
 from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.errors import InvalidInputError
 
@@ -57,7 +57,8 @@ class MapCheck:
     parts : tuple of Polygon
         The separate parts of free space, the largest first.
     around : Enclosing or None
-        The part that lies around others, such as the paper around a floor plan.
+        The part that lies around others, such as the paper around a floor plan; see
+        `multisrt.environments.pieces.surrounding`.
     main : Polygon
         The main part, which is checked: that of the first suggested start, or else the largest
         that does not lie around others.
@@ -135,6 +136,12 @@ class MapCheck:
         said += "the suggested start" if self.environment.starts else place_in(self.main)
         if self.around is not None and self.around.area is not self.main:
             return f"{said}; the area around the walls is free, too: make it occupied"
+        if self.around is not None:
+            return (
+                f"{said}, which lies around others along the border of the map: if it is the page "
+                f"around a building, make it occupied, or explore with --start "
+                f"{start_in(self.around.inside[0])}; else open doors between the parts"
+            )
         return f"{said}: open doors between the parts, or leave the other parts out"
 
     def _problem_of_reach(self) -> str:
@@ -202,9 +209,8 @@ def check_map(environment: Environment, footprint: Footprint, *, share: float = 
     """
     if not 0.0 < share <= 1.0:
         raise InvalidInputError(f"the share is {share:g}; it must be above 0 and at most 1")
-    parts, around = pieces(environment), enclosing(environment)
-    inside = [part for part in parts if around is None or part is not around.area]
-    main = environment.component(*environment.starts[0]) if environment.starts else inside[0]
+    parts, starts = pieces(environment), environment.starts
+    main = environment.component(*starts[0]) if starts else inside(environment)[0]
     tree = clearance_tree(main)
     reachable = _reachable(environment, main, footprint.inscribed_radius_m)
     _, cleaning = cleaned(environment.free, CleaningOptions())
@@ -213,7 +219,7 @@ def check_map(environment: Environment, footprint: Footprint, *, share: float = 
         footprint=footprint,
         share=share,
         parts=parts,
-        around=around,
+        around=surrounding(environment),
         main=main,
         start_parts=tuple(
             parts.index(environment.component(*start)) for start in environment.starts

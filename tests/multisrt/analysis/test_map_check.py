@@ -76,6 +76,16 @@ def test_paper_around_a_building_is_not_the_main_part():
     assert "the area around the walls is free, too" in check.problems[0]
 
 
+def test_a_page_around_a_small_plan_is_no_matter_of_doors():
+    wall = box(1, 1, 13, 13) - box(1.5, 1.5, 12.5, 12.5)
+    check = check_map(Environment.from_outline("page", box(0, 0, 36, 30), [wall]), BODY)
+    assert check.main.area == 36 * 30 - 144
+    assert (
+        ", which lies around others along the border of the map: if it is the page around a "
+        "building, make it occupied, or explore with --start 7.00,7.00; else open doors"
+    ) in check.problems[0]
+
+
 @pytest.mark.parametrize("share", [0.0, -1.0, 1.1, float("nan")])
 def test_shares_out_of_range_are_refused(share):
     with pytest.raises(InvalidInputError, match="share"):

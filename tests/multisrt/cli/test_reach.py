@@ -55,6 +55,31 @@ def test_areas_and_what_lies_around():
     assert around(ROOMS) == ""
 
 
+PAGE = Environment.from_outline("page", shapely.box(0, 0, 30, 40), [WALLS])
+
+
+def test_a_page_around_a_small_plan_is_told_with_a_start_inside():
+    assert around(PAGE) == (
+        "the part of 1136 m2 lies around the others: it touches the border of the map; if it is "
+        "the page around a building, explore the inside with --start 5.00,5.00"
+    )
+    said = elsewhere(PAGE, (20.0, 20.0))
+    assert said.startswith("free space has 2 separate parts (1136, 49 m2), and the start is in")
+    assert said.endswith(
+        "that of 1136 m2 (96 %), which lies around others and touches the border of the map; the "
+        "largest inside has 49 m2, e.g. at (5.00, 5.00); if it is the page around a building, "
+        "explore the inside with --start 5.00,5.00"
+    )
+
+
+def test_a_start_inside_is_not_sent_to_the_page():
+    two = Environment.from_outline("two", shapely.box(0, 0, 12, 12), [WALLS])
+    assert elsewhere(two, (5.0, 5.0)) == (
+        "free space has 2 separate parts (80, 49 m2), and the start is in that of 49 m2 (38 %); "
+        "that of 80 m2 lies around others"
+    )
+
+
 @pytest.mark.slow
 def test_explore_says_where_the_robots_are(call, folder):
     (folder / "plan.wkt").write_text(shapely.to_wkt(PLAN.free))

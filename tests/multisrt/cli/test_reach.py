@@ -115,14 +115,20 @@ def test_environments_show_tells_of_areas(call, folder):
 
 
 def test_experiment_check_warns_of_starts_outside(call, folder):
-    # There is more paper around the wide plan than room in the building: starts are drawn there.
+    # There is more paper around the wide plan than room in the building: no start is drawn there.
     wide = Environment.from_outline("wide", shapely.box(0, 0, 12, 12), [WALLS])
     for world in (PLAN, wide):
         (folder / f"{world.name}.wkt").write_text(shapely.to_wkt(world.free))
-    (folder / "plans.toml").write_text(
-        'name = "plans"\nenvironments = ["plan.wkt", "wide.wkt"]\nstrategies = ["closest"]\n'
-        'bodies = ["disc:0.2"]\nrepetitions = 1\n'
+    text = (
+        'name = "plans"\nenvironments = ["{}.wkt"]\nstrategies = ["closest"]\n'
+        'bodies = ["disc:0.2"]\nrepetitions = 1\n{}'
     )
+    for world in ("plan", "wide"):
+        (folder / "plans.toml").write_text(text.format(world, ""))
+        code, _, err = call("experiment", "check", "plans.toml", "--seconds", "0")
+        assert (code, err) == (0, "")
+    given = "starts = [{ places = [[0.5, 0.5]] }]"
+    (folder / "plans.toml").write_text(text.format("wide", given))
     code, _, err = call("experiment", "check", "plans.toml", "--seconds", "0")
     assert code == 0
     (warning,) = err.splitlines()

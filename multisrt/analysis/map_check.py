@@ -37,6 +37,9 @@ MIN_BEYOND_SHARE: Final = 0.01
 ARC_ERROR_M: Final = 1e-4
 """Maximum distance between arcs and the chords that replace them, in metres."""
 
+RADIUS_PRECISION: Final = 1e-4
+"""Precision of the largest disc that fits anywhere, as a share of a side of the part."""
+
 ROUNDING_M: Final = 1e-6
 """Bodies are taken smaller by this, in metres, so that they pass a gap that just fits."""
 
@@ -148,7 +151,7 @@ class MapCheck:
         if not self.reachable:
             return (
                 f"the body {self.footprint} fits nowhere in the main part: the largest disc there "
-                f"has a radius of {self.largest.radius_m:.3g} m"
+                f"has a radius of {_largest_radius_m(self.main):.3g} m"
             )
         if self.reached_share >= self.share:
             return ""
@@ -236,6 +239,12 @@ def place_in(area: Polygon) -> str:
     """Return a point inside an area as text, in metres."""
     point = shapely.point_on_surface(area)
     return f"({point.x:.2f}, {point.y:.2f})"
+
+
+def _largest_radius_m(main: Polygon) -> float:
+    # Of the discs that fit anywhere, whatever they reach.
+    tolerance = RADIUS_PRECISION * math.sqrt(main.area)
+    return float(shapely.maximum_inscribed_circle(main, tolerance=tolerance).length)
 
 
 def _reachable(environment: Environment, main: Polygon, radius_m: float) -> tuple[Polygon, ...]:

@@ -2,6 +2,8 @@ import json
 import re
 import xml.etree.ElementTree as ET
 
+import pytest
+
 from multisrt.environments.formats import read_environment
 
 BOW = "POLYGON ((0 0, 4 4, 4 0, 0 4))"
@@ -25,6 +27,15 @@ def test_a_narrow_door_is_a_problem(call, folder):
     assert "\nproblem: the body disc:0.25 reaches 50.0 % of the main part" in out
     assert ET.parse(folder / "narrow.svg").getroot().tag.endswith("svg")
     assert call("environments", "check", "narrow.wkt", "--footprint", "disc:0.2")[0] == 0
+
+
+@pytest.mark.parametrize("name", ["narrow.png", "narrow", "narrow.svg.txt"])
+@pytest.mark.parametrize("command", ["show", "check"])
+def test_pictures_are_svg_by_their_suffix(call, folder, command, name):
+    code, _, err = call("environments", command, "pillar.wkt", "--out", name)
+    assert code == 2
+    assert f"{name}: this picture is written as SVG; name the file narrow" in err
+    assert not (folder / name).exists()
 
 
 def test_quiet_prints_problems_only(call):

@@ -7,6 +7,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+import shapely
 from shapely import MultiPolygon
 from shapely.geometry.base import BaseGeometry
 
@@ -243,8 +245,30 @@ def grid_polygons(path: Path, free: BoolArray, resolution_m: Resolution) -> Mult
         raise MapFormatError(f"{path}: {error}") from error
 
 
-def straightened(resolution_m: Resolution) -> Cleaning:
-    """Return the changes that `grid_polygons` makes to the walls of a grid."""
+def straightened(free: BaseGeometry, resolution_m: Resolution) -> Cleaning:
+    """Return the changes that `grid_polygons` made to the walls of a grid.
+
+    Parameters
+    ----------
+    free : MultiPolygon
+        Its result, which may have been stretched. If all edges are parallel to an axis, no wall
+        was moved.
+    resolution_m : float or (x, y)
+        Side of a cell in metres, or its width and its height.
+
+    Examples
+    --------
+    >>> room, stairs = np.ones((4, 6), bool), np.tri(8, 8, dtype=bool)
+    >>> polygons = [grid_polygons(Path("map.png"), free, 0.5) for free in (room, stairs)]
+    >>> [str(straightened(free, 0.5)) for free in polygons]
+    ['', 'walls straightened within 0.336 m']
+    """
+    points, ring = shapely.get_coordinates(
+        shapely.get_rings(shapely.get_parts(free)), return_index=True
+    )
+    along = np.diff(points, axis=0)[ring[1:] == ring[:-1]]
+    if not (along != 0.0).all(axis=1).any():
+        return Cleaning()
     return Cleaning(straightened_m=displacement_bound_m(resolution_m))
 
 

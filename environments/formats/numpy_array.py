@@ -106,12 +106,13 @@ def read_numpy_array(
                 f"{path}: no cell has an occupancy of at most {FREE_OCCUPANCY:g}, so there is no "
                 "free space; occupied is True, 100 or 1.0, and free is False or 0"
             )
+    polygons = grid_polygons(path, free, resolution_m)
     return build_environment(
         path,
-        grid_polygons(path, free, resolution_m),
+        polygons,
         name=name,
         origin=f"{path.name} at {resolution_m:g} m per cell, {rule}",
-        cleaning=straightened(resolution_m),
+        cleaning=straightened(polygons, resolution_m),
     )
 
 

@@ -6,6 +6,7 @@ import pytest
 
 from multisrt.environments.formats import read_environment
 
+STAIRS = "type octile\nheight 5\nwidth 5\nmap\n@@@..\n@@...\n@....\n.....\n.....\n"
 BOW = "POLYGON ((0 0, 4 4, 4 0, 0 4))"
 
 
@@ -113,14 +114,16 @@ def test_options_of_fix_need_it(call):
 
 
 def test_images_say_how_far_walls_moved(call, folder):
-    (folder / "grid.map").write_text("type octile\nheight 2\nwidth 3\nmap\n...\n...\n")
+    (folder / "grid.map").write_text(STAIRS)
     for words in (("check", "grid.map"), ("show", "grid.map")):
         _, out, _ = call("environments", *words, "--resolution", "1")
         assert "cleaned: walls straightened within 0.673 m" in out
+    (folder / "grid.map").write_text("type octile\nheight 2\nwidth 3\nmap\n.@.\n.@.\n")
+    assert "cleaned" not in call("environments", "check", "grid.map", "--resolution", "1")[1]
 
 
 def test_explore_says_what_was_cleaned(call, folder):
-    (folder / "grid.map").write_text("type octile\nheight 4\nwidth 4\nmap\n" + "....\n" * 4)
+    (folder / "grid.map").write_text(STAIRS)
     code, out, _ = call("explore", "grid.map", "--resolution", "1")
     assert code == 0
     assert "  map cleaned: walls straightened within 0.673 m" in out

@@ -70,7 +70,8 @@ class MapCheck:
     superfluous_vertices : int
         Number of vertices that lie on the line between their neighbours.
     passages : tuple of Passage
-        Passages of the main part with enough area behind them, the narrowest first.
+        Passages of the main part with enough area behind them, the narrowest first; one for each
+        gap, where several are nearer to each other than the diameter of the body.
     largest : LargestBody
         The largest disc that reaches `share` of the main part.
     reachable : tuple of Polygon
@@ -228,7 +229,10 @@ def check_map(environment: Environment, footprint: Footprint, *, share: float = 
             parts.index(environment.component(*start)) for start in environment.starts
         ),
         superfluous_vertices=cleaning.removed_vertices,
-        passages=tree.passages(min(MIN_BEYOND_M2, MIN_BEYOND_SHARE * main.area)),
+        passages=tree.passages(
+            min(MIN_BEYOND_M2, MIN_BEYOND_SHARE * main.area),
+            apart_m=2.0 * footprint.inscribed_radius_m,
+        ),
         largest=tree.largest_body(share),
         reachable=reachable,
         unreachable=_unreachable(main, reachable, footprint.inscribed_radius_m),

@@ -13,6 +13,7 @@ from shapely import MultiPolygon, Point, Polygon
 from shapely.geometry.base import BaseGeometry
 
 from multisrt.environments.cleaning import Cleaning, polygons_of, without_slivers
+from multisrt.environments.layers import Layers
 from multisrt.geometry.errors import ClearanceError, InvalidInputError
 from multisrt.geometry.numerics.arrays import FloatArray
 
@@ -45,6 +46,8 @@ class Environment:
     cleaning : Cleaning, optional
         Changes that were made to the map before. Parts of free space and obstacles that are
         nowhere 1 mm wide are dropped here, and added to these changes.
+    layers : Layers, optional
+        Layers of the drawing that it was read from, if their names determine what is free.
 
     Raises
     ------
@@ -69,6 +72,7 @@ class Environment:
         starts: Sequence[tuple[float, float]] = (),
         origin: str = "",
         cleaning: Cleaning | None = None,
+        layers: Layers | None = None,
     ) -> None:
         _require_valid(free, name)
         parts, dropped = without_slivers(polygons_of(free), SLIVER_WIDTH_M)
@@ -81,6 +85,7 @@ class Environment:
         self._name = name
         self._free: MultiPolygon = free_space
         self._origin = origin
+        self._layers = layers
         self._cleaning = dropped if cleaning is None else cleaning + dropped
         self._starts = tuple((float(x), float(y)) for x, y in starts)
         shapely.prepare(self._free)
@@ -161,6 +166,14 @@ class Environment:
     def cleaning(self) -> Cleaning:
         """Changes that readers and repairs made to the map; not part of the digest."""
         return self._cleaning
+
+    @property
+    def layers(self) -> Layers | None:
+        """Layers of the drawing that were read and left out; not part of the digest.
+
+        None if the world is not from a drawing that is read by the names of layers.
+        """
+        return self._layers
 
     @property
     def area_m2(self) -> float:

@@ -47,4 +47,5 @@ def fixed(environment: Environment, options: CleaningOptions) -> Environment:
         starts=starts,
         origin=environment.origin,
         cleaning=environment.cleaning + changed,
+        layers=environment.layers,
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import shapely
@@ -14,6 +15,20 @@ MIN_INSIDE = 0.5
 
 Closed rooms and hollow walls have less inside.
 """
+
+
+MIN_BORDER_SHARE = 0.9
+"""Minimum share of the border of the map along which a part lies that may be a page."""
+
+MIN_ROOMS_M2 = 4.0
+"""Area of the parts on such a page above which it is told, in square metres."""
+
+ROOM_RADIUS_M = 0.25
+"""Radius of the disc that fits into each of these parts, in metres: that of the default body."""
+
+
+PLACE_PRECISION = 1e-4
+"""Precision of the place with the most room, as a share of the length of the boundary."""
 
 
 class Enclosing(NamedTuple):
@@ -95,6 +110,101 @@ def enclosing(environment: Environment) -> Enclosing | None:
     return max(found, key=lambda one: sum(p.area for p in one.inside), default=None)
 
 
+def inside(environment: Environment) -> tuple[Polygon, ...]:
+    """Return the components of free space but the part around a building, the largest first.
+
+    The first is the main part of a world without suggested starts: the one that is explored, and
+    checked.
+
+    Parameters
+    ----------
+    environment : Environment
+        The world.
+
+    Returns
+    -------
+    tuple of Polygon
+        All components if there is no such part (see `enclosing`); at least one.
+
+    Examples
+    --------
+    Paper of 11 x 11 m around a building with a wall of 1 m:
+
+    >>> import shapely
+    >>> wall = shapely.box(1, 1, 9, 9) - shapely.box(2, 2, 8, 8)
+    >>> plan = Environment.from_outline("plan", shapely.box(0, 0, 11, 11), [wall])
+    >>> [piece.area for piece in pieces(plan)], [piece.area for piece in inside(plan)]
+    ([57.0, 36.0], [36.0])
+    """
+    outside = enclosing(environment)
+    return tuple(p for p in pieces(environment) if outside is None or p is not outside.area)
+
+
+def surrounding(environment: Environment) -> Enclosing | None:
+    """Return a part that may be a page around a building; it may also be a hall with rooms.
+
+    It is the part of `enclosing`, or else one that lies along most of the border of the map
+    (`MIN_BORDER_SHARE`) and around rooms of more than `MIN_ROOMS_M2` in total, however large the
+    page is. Since a hall with closed rooms in it does so, too, this is for messages only.
+
+    Parameters
+    ----------
+    environment : Environment
+        The world.
+
+    Returns
+    -------
+    Enclosing or None
+        The part, with the rooms inside: parts in which a disc of `ROOM_RADIUS_M` fits.
+
+    Examples
+    --------
+    A building of 36 m2 on a page of 900 m2:
+
+    >>> import shapely
+    >>> wall = shapely.box(1, 1, 9, 9) - shapely.box(2, 2, 8, 8)
+    >>> plan = Environment.from_outline("plan", shapely.box(0, 0, 30, 30), [wall])
+    >>> enclosing(plan) is None, [area.area for area in surrounding(plan).inside]
+    (True, [36.0])
+    """
+    careful = enclosing(environment)
+    if careful is not None:
+        return careful
+    border = shapely.box(*environment.bounds).exterior
+    for piece in environment.components:
+        if not piece.interiors:
+            continue
+        if border.intersection(piece.exterior).length < MIN_BORDER_SHARE * border.length:
+            continue
+        outline = Polygon(piece.exterior)
+        shapely.prepare(outline)
+        rooms = [
+            part
+            for part in pieces(environment)
+            if part is not piece
+            and part.area > math.pi * ROOM_RADIUS_M**2
+            and outline.contains(part)
+            and not part.buffer(-ROOM_RADIUS_M).is_empty
+        ]
+        if sum(room.area for room in rooms) > MIN_ROOMS_M2:
+            return Enclosing(piece, tuple(rooms))
+    return None
+
+
+def start_in(part: Polygon) -> str:
+    """Return the place of a part with the most room, as the option ``--start`` takes it.
+
+    Examples
+    --------
+    >>> import shapely
+    >>> start_in(shapely.box(0, 0, 4, 4) | shapely.box(4, 0, 9, 1))
+    '2.00,2.00'
+    """
+    circle = shapely.maximum_inscribed_circle(part, tolerance=PLACE_PRECISION * part.length)
+    (x, y), *_ = circle.coords
+    return f"{x:.2f},{y:.2f}"
+
+
 def is_minor(environment: Environment, x: float, y: float) -> bool:
     """Return whether a place is outside the largest part that is not around a building.
 
@@ -123,9 +233,5 @@ def is_minor(environment: Environment, x: float, y: float) -> bool:
     >>> is_minor(rooms, 1.0, 1.0), is_minor(rooms, 4.0, 1.0)
     (True, False)
     """
-    here, outside = environment.component(x, y), enclosing(environment)
-    if outside is not None and here is outside.area:
-        return True
-    return here.area < max(
-        p.area for p in pieces(environment) if not (outside and p is outside.area)
-    )
+    here, parts = environment.component(x, y), inside(environment)
+    return all(here is not part for part in parts) or here.area < parts[0].area

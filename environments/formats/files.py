@@ -7,6 +7,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+import shapely
 from shapely import MultiPolygon
 from shapely.geometry.base import BaseGeometry
 
@@ -17,6 +19,7 @@ from multisrt.environments.formats.bitmap import (
     displacement_bound_m,
     polygons_from_grid,
 )
+from multisrt.environments.layers import Layers
 from multisrt.geometry.errors import InvalidInputError, MapFormatError, escaped
 from multisrt.geometry.numerics.kernel import BoolArray
 
@@ -242,8 +245,30 @@ def grid_polygons(path: Path, free: BoolArray, resolution_m: Resolution) -> Mult
         raise MapFormatError(f"{path}: {error}") from error
 
 
-def straightened(resolution_m: Resolution) -> Cleaning:
-    """Return the changes that `grid_polygons` makes to the walls of a grid."""
+def straightened(free: BaseGeometry, resolution_m: Resolution) -> Cleaning:
+    """Return the changes that `grid_polygons` made to the walls of a grid.
+
+    Parameters
+    ----------
+    free : MultiPolygon
+        Its result, which may have been stretched. If all edges are parallel to an axis, no wall
+        was moved.
+    resolution_m : float or (x, y)
+        Side of a cell in metres, or its width and its height.
+
+    Examples
+    --------
+    >>> room, stairs = np.ones((4, 6), bool), np.tri(8, 8, dtype=bool)
+    >>> polygons = [grid_polygons(Path("map.png"), free, 0.5) for free in (room, stairs)]
+    >>> [str(straightened(free, 0.5)) for free in polygons]
+    ['', 'walls straightened within 0.336 m']
+    """
+    points, ring = shapely.get_coordinates(
+        shapely.get_rings(shapely.get_parts(free)), return_index=True
+    )
+    along = np.diff(points, axis=0)[ring[1:] == ring[:-1]]
+    if not (along != 0.0).all(axis=1).any():
+        return Cleaning()
     return Cleaning(straightened_m=displacement_bound_m(resolution_m))
 
 
@@ -255,6 +280,7 @@ def build_environment(
     origin: str,
     starts: Sequence[tuple[float, float]] = (),
     cleaning: Cleaning | None = None,
+    layers: Layers | None = None,
 ) -> Environment:
     """Return the world of a file; its default name is that of the file without suffix.
 
@@ -262,7 +288,7 @@ def build_environment(
     ----------
     path : Path
         The file, for the name and for messages.
-    free, name, origin, starts, cleaning
+    free, name, origin, starts, cleaning, layers
         As for `Environment`.
 
     Raises
@@ -277,6 +303,7 @@ def build_environment(
             starts=starts,
             origin=escaped(origin),  # may hold names from the file
             cleaning=cleaning,
+            layers=layers,
         )
     except InvalidInputError as error:
         raise MapFormatError(f"{path}: {error}") from error

@@ -85,13 +85,14 @@ def read_image(
     pixels = read_pixels(path)
     levels, full = pixels.weighted(LUMA)
     free, threshold = free_pixels(path, levels, threshold, full=full, opaque=pixels.opaque)
+    polygons = grid_polygons(path, free, resolution_m)
     return build_environment(
         path,
-        grid_polygons(path, free, resolution_m),
+        polygons,
         name=name,
         origin=f"{path.name} at {resolution_m:g} m per pixel, free above lightness {threshold:.3g}",
         starts=marked_starts(levels, free, resolution_m),
-        cleaning=straightened(resolution_m),
+        cleaning=straightened(polygons, resolution_m),
     )
 
 

@@ -97,13 +97,13 @@ def read_map_server(
         moved: FloatArray = (points @ turn if yaw else points) + (x, y)
         return moved
 
-    polygons = shapely.transform(grid_polygons(path, free, resolution), placed)
+    polygons = grid_polygons(path, free, resolution)
     return build_environment(
         path,
-        polygons,
+        shapely.transform(polygons, placed),
         name=name,
         origin=f"{path.name} with {entries['image']}, {resolution:g} m per pixel",
-        cleaning=straightened(resolution),
+        cleaning=straightened(polygons, resolution),
     )
 
 

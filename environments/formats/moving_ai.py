@@ -61,12 +61,13 @@ def read_moving_ai(
     """
     refuse_threshold(path, threshold)
     resolution_m = require_resolution(path, resolution_m)
+    polygons = grid_polygons(path, read_cells(path), resolution_m)
     return build_environment(
         path,
-        grid_polygons(path, read_cells(path), resolution_m),
+        polygons,
         name=name,
         origin=f"{path.name} at {resolution_m:g} m per cell",
-        cleaning=straightened(resolution_m),
+        cleaning=straightened(polygons, resolution_m),
     )
 
 

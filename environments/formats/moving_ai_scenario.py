@@ -84,16 +84,17 @@ def read_moving_ai_scenario(
     cells = read_cells(map_path)
     height, _ = cells.shape
     starts = dict.fromkeys(_start(cells, problem, map_path) for problem in problems)
+    polygons = grid_polygons(map_path, cells, resolution_m)
     return build_environment(
         path,
-        grid_polygons(map_path, cells, resolution_m),
+        polygons,
         name=name,
         origin=f"{path.name} with {map_path.name} at {resolution_m:g} m per cell",
         starts=[
             ((column + 0.5) * resolution_m, (height - row - 0.5) * resolution_m)
             for column, row in list(starts)[:MAX_STARTS]
         ],
-        cleaning=straightened(resolution_m),
+        cleaning=straightened(polygons, resolution_m),
     )
 
 

@@ -30,6 +30,9 @@ FREE_OCCUPANCY: Final = 0.25
 MAX_HEADER_BYTES: Final = 10_000
 """Upper bound of the length of the header, which is a Python literal."""
 
+AS_OCCUPANCIES: Final = "save occupancies as int8 (0 to 100, -1 unknown) or bool (True occupied)"
+"""Remedy for numbers whose meaning is not clear."""
+
 MAGIC: Final = b"\x93NUMPY"
 
 
@@ -69,8 +72,9 @@ def read_numpy_array(
     Raises
     ------
     MapFormatError
-        If the file is not such an array, holds Python objects, has numbers out of range, or has
-        uint8 numbers that may be occupancies; or if no cell is free.
+        If the file is not such an array, holds Python objects, has numbers out of range, uint8
+        numbers that may be occupancies, or integers up to 1, which may be per cent or truth values;
+        or if no cell is free.
 
     Notes
     -----
@@ -102,12 +106,13 @@ def read_numpy_array(
                 f"{path}: no cell has an occupancy of at most {FREE_OCCUPANCY:g}, so there is no "
                 "free space; occupied is True, 100 or 1.0, and free is False or 0"
             )
+    polygons = grid_polygons(path, free, resolution_m)
     return build_environment(
         path,
-        grid_polygons(path, free, resolution_m),
+        polygons,
         name=name,
         origin=f"{path.name} at {resolution_m:g} m per cell, {rule}",
-        cleaning=straightened(resolution_m),
+        cleaning=straightened(polygons, resolution_m),
     )
 
 
@@ -195,9 +200,8 @@ def _require_grey(path: Path, array: NDArray[np.uint8]) -> None:
     if greatest <= 100 or is_ros:
         found = "0 to 100 and 255" if is_ros else f"up to {greatest}"
         raise MapFormatError(
-            f"{path} has uint8 numbers {found}, which may be occupancies or grey values: save "
-            "occupancies as int8 (0 to 100, -1 unknown) or bool (True occupied), and grey values "
-            "up to 255"
+            f"{path} has uint8 numbers {found}, which may be occupancies or grey values: "
+            f"{AS_OCCUPANCIES}, and grey values up to 255"
         )
 
 
@@ -208,6 +212,7 @@ def _free_cells(path: Path, array: NDArray[Any]) -> BoolArray:
         np.equal(array.view(np.uint8), 0, out=free)
         return free
     is_whole = array.dtype.kind == "i"
+    greatest = -1
     least, full = (-1, 100) if is_whole else (0, 1)
     for row, line in enumerate(array):  # by rows, since comparisons allocate memory
         strange = np.flatnonzero((line < least) | (line > full))
@@ -218,6 +223,12 @@ def _free_cells(path: Path, array: NDArray[Any]) -> BoolArray:
                 f"type {array.dtype} are 0 to {full}, or {unknown} for the unknown"
             )
         free[row] = (line >= 0) & (line <= FREE_OCCUPANCY * full)
+        greatest = max(greatest, line.max(initial=-1))
+    if is_whole and greatest == 1:
+        raise MapFormatError(
+            f"{path} has {array.dtype} numbers up to 1, which may be 1 per cent or occupied: "
+            f"{AS_OCCUPANCIES}"
+        )
     return free
 
 

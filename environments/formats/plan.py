@@ -5,6 +5,9 @@ from collections.abc import Iterable
 from enum import Enum
 from typing import Final
 
+from multisrt.environments.layers import Layers, counted_layers
+from multisrt.geometry.errors import escaped
+
 
 class Role(Enum):
     """Role of a part of a plan."""
@@ -46,6 +49,15 @@ WORDS: Final = {
     Role.FREE: ("free", "outline", "outlines"),
 }
 """The words in names that give parts their roles."""
+
+PLURALS: Final = {
+    Role.FREE: "free space",
+    Role.WALL: "walls",
+    Role.OBSTACLE: "obstacles",
+    Role.DOOR: "doors",
+    Role.START: "starts",
+}
+"""What layers of each role are read as, for messages."""
 
 _ROLES: Final = {word: role for role, words in WORDS.items() for word in words}
 _WORD: Final = re.compile(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])")
@@ -101,6 +113,29 @@ def role_within(names: Iterable[str], around: Role | None) -> Role | None:
     if own is None or (own is Role.FREE and around is not None):
         return around
     return own
+
+
+def layers_of(shapes: Iterable[tuple[str, Role | None]]) -> Layers:
+    """Return the layers of a plan that is read by their names.
+
+    Parameters
+    ----------
+    shapes : iterable of (name, role)
+        For each shape the name of its layer, and its role.
+
+    Examples
+    --------
+    >>> layers_of([("A-WALL", Role.WALL), ("Layer 1", None)]).left_out
+    (Layer(name='Layer 1', read_as='', shapes=1),)
+    """
+    shapes = list(shapes)
+    return Layers(
+        layers=counted_layers(
+            (escaped(name), "" if role is None else PLURALS[role]) for name, role in shapes
+        ),
+        bounds_space=any(role in (Role.WALL, Role.FREE) for _, role in shapes),
+        remedy="name layers walls, obstacles, free, ... to read them",
+    )
 
 
 def role_names() -> str:

@@ -14,7 +14,7 @@ from shapely.geometry.base import BaseGeometry
 
 from multisrt.environments.cleaning import Cleaning
 from multisrt.environments.environment import MAX_COORDINATE_M, Environment
-from multisrt.environments.formats.bitmap import MAX_CORNERS, displacement_bound_m
+from multisrt.environments.formats.bitmap import MAX_CORNERS
 from multisrt.environments.formats.files import (
     MAX_CELLS,
     MAX_STARTS,
@@ -23,6 +23,7 @@ from multisrt.environments.formats.files import (
     named_file,
     refuse_resolution,
     refuse_threshold,
+    straightened,
 )
 from multisrt.environments.formats.image import read_pixels
 from multisrt.environments.formats.map_format import Beginning, MapFormat
@@ -328,7 +329,8 @@ class _World:
             bitmap = self._bitmap(entity)
             free = _stretched(bitmap.free, width, height)
             cell = width / bitmap.columns, height / bitmap.rows
-            self.straightened_m = max(self.straightened_m, displacement_bound_m(cell))
+            moved_m = straightened(bitmap.free, cell).straightened_m
+            self.straightened_m = max(self.straightened_m, moved_m)
             if inner is not ground:
                 free = free & inner
             self._count(free)

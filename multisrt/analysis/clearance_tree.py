@@ -23,7 +23,7 @@ import numpy as np
 import shapely
 from scipy import sparse
 from scipy.sparse import csgraph
-from scipy.spatial import Delaunay
+from scipy.spatial import Delaunay, cKDTree
 from shapely import Polygon
 
 from multisrt.geometry.numerics.kernel import BoolArray, FloatArray, IntArray, kernel
@@ -156,7 +156,7 @@ class ClearanceTree:
         smaller: FloatArray = np.minimum(side, self.areas.sum() - side)
         return smaller
 
-    def passages(self, min_beyond_m2: float) -> tuple[Passage, ...]:
+    def passages(self, min_beyond_m2: float, *, apart_m: float = 0.0) -> tuple[Passage, ...]:
         """Return the passages that cut off something, the narrowest first.
 
         A passage between two places that a wider path joins is none.
@@ -165,6 +165,10 @@ class ClearanceTree:
         ----------
         min_beyond_m2 : float
             Least area on the smaller side of a passage, in square metres.
+        apart_m : float, optional
+            A passage nearer than this to a narrower one is left out if the area between them is
+            below the least area, as they then separate the same places. A gap between rough walls
+            is narrow at many places.
 
         Returns
         -------
@@ -180,8 +184,35 @@ class ClearanceTree:
         >>> round(door.width_m, 6), round(door.beyond_m2, 1)
         (0.8, 16.1)
         """
-        found = [self._passage(link) for link in self._narrow_links(min_beyond_m2)]
-        return tuple(sorted(found, key=lambda passage: (passage.width_m, passage.centre)))
+        links = self._narrow_links(min_beyond_m2)
+        found = {int(link): self._passage(int(link)) for link in links}
+        order = sorted(found, key=lambda link: (found[link].width_m, found[link].centre))
+        if apart_m > 0.0 and len(order) > 1:
+            order = self._merged(found, order, apart_m, min_beyond_m2)
+        return tuple(found[link] for link in order)
+
+    def _merged(
+        self, found: dict[int, Passage], order: list[int], apart_m: float, min_between_m2: float
+    ) -> list[int]:
+        """Return those of some links that are not too near a narrower one between the same places.
+
+        The links cut free space into areas, which they join to a tree.
+        """
+        links, centres = np.array(order), [found[link].centre for link in order]
+        near = cKDTree(centres).query_ball_point(centres, apart_m)
+        _, area = csgraph.connected_components(
+            _graph(np.delete(self.links, links, axis=0), len(self.areas)), directed=False
+        )
+        areas_m2 = np.bincount(area, weights=self.areas)
+        joints = area[self.links[links]]
+        kept: list[int] = []
+        for number, others in enumerate(near):
+            if not any(
+                other in kept and _between_m2(joints, areas_m2, number, other) < min_between_m2
+                for other in others
+            ):
+                kept.append(number)
+        return [order[number] for number in kept]
 
     def _narrow_links(self, min_beyond_m2: float) -> IntArray:
         return np.flatnonzero(
@@ -271,6 +302,14 @@ class ClearanceTree:
         angle = 2.0 * np.arcsin(half)
         bulges: FloatArray = 0.5 * radius_m**2 * (angle - np.sin(angle))
         return bulges
+
+
+def _between_m2(joints: IntArray, areas_m2: FloatArray, one: int, other: int) -> float:
+    # The area between two links of a tree of areas, with all that it leads to.
+    rest = np.delete(joints, [one, other], axis=0)
+    _, side = csgraph.connected_components(_graph(rest, len(areas_m2)), directed=False)
+    (middle,) = np.intersect1d(side[joints[one]], side[joints[other]])
+    return float(areas_m2[side == middle].sum())
 
 
 def clearance_tree(part: Polygon) -> ClearanceTree:

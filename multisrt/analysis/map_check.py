@@ -17,7 +17,8 @@ from multisrt.analysis.clearance_tree import (
 )
 from multisrt.environments.cleaning import CleaningOptions, cleaned
 from multisrt.environments.environment import Environment
-from multisrt.environments.pieces import Enclosing, enclosing, pieces
+from multisrt.environments.layers import left_out_names
+from multisrt.environments.pieces import Enclosing, inside, pieces, start_in, surrounding
 from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.errors import InvalidInputError
 
@@ -35,6 +36,9 @@ MIN_BEYOND_SHARE: Final = 0.01
 
 ARC_ERROR_M: Final = 1e-4
 """Maximum distance between arcs and the chords that replace them, in metres."""
+
+RADIUS_PRECISION: Final = 1e-4
+"""Precision of the largest disc that fits anywhere, as a share of a side of the part."""
 
 ROUNDING_M: Final = 1e-6
 """Bodies are taken smaller by this, in metres, so that they pass a gap that just fits."""
@@ -56,7 +60,8 @@ class MapCheck:
     parts : tuple of Polygon
         The separate parts of free space, the largest first.
     around : Enclosing or None
-        The part that lies around others, such as the paper around a floor plan.
+        The part that lies around others, such as the paper around a floor plan; see
+        `multisrt.environments.pieces.surrounding`.
     main : Polygon
         The main part, which is checked: that of the first suggested start, or else the largest
         that does not lie around others.
@@ -65,7 +70,8 @@ class MapCheck:
     superfluous_vertices : int
         Number of vertices that lie on the line between their neighbours.
     passages : tuple of Passage
-        Passages of the main part with enough area behind them, the narrowest first.
+        Passages of the main part with enough area behind them, the narrowest first; one for each
+        gap, where several are nearer to each other than the diameter of the body.
     largest : LargestBody
         The largest disc that reaches `share` of the main part.
     reachable : tuple of Polygon
@@ -108,8 +114,22 @@ class MapCheck:
         return tuple(
             filter(
                 None,
-                (self._problem_of_parts(), self._problem_of_reach(), *self._problems_of_starts()),
+                (
+                    self._problem_of_layers(),
+                    self._problem_of_parts(),
+                    self._problem_of_reach(),
+                    *self._problems_of_starts(),
+                ),
             )
+        )
+
+    def _problem_of_layers(self) -> str:
+        layers = self.environment.layers
+        if layers is None or layers.bounds_space or not layers.left_out:
+            return ""
+        return (
+            f"no layer is read as walls or free space, and {left_out_names(layers)} "
+            f"{'is' if len(layers.left_out) == 1 else 'are'} left out: {layers.remedy}"
         )
 
     def _problem_of_parts(self) -> str:
@@ -120,13 +140,19 @@ class MapCheck:
         said += "the suggested start" if self.environment.starts else place_in(self.main)
         if self.around is not None and self.around.area is not self.main:
             return f"{said}; the area around the walls is free, too: make it occupied"
+        if self.around is not None:
+            return (
+                f"{said}, which lies around others along the border of the map: if it is the page "
+                f"around a building, make it occupied, or explore with --start "
+                f"{start_in(self.around.inside[0])}; else open doors between the parts"
+            )
         return f"{said}: open doors between the parts, or leave the other parts out"
 
     def _problem_of_reach(self) -> str:
         if not self.reachable:
             return (
                 f"the body {self.footprint} fits nowhere in the main part: the largest disc there "
-                f"has a radius of {self.largest.radius_m:.3g} m"
+                f"has a radius of {_largest_radius_m(self.main):.3g} m"
             )
         if self.reached_share >= self.share:
             return ""
@@ -187,9 +213,8 @@ def check_map(environment: Environment, footprint: Footprint, *, share: float = 
     """
     if not 0.0 < share <= 1.0:
         raise InvalidInputError(f"the share is {share:g}; it must be above 0 and at most 1")
-    parts, around = pieces(environment), enclosing(environment)
-    inside = [part for part in parts if around is None or part is not around.area]
-    main = environment.component(*environment.starts[0]) if environment.starts else inside[0]
+    parts, starts = pieces(environment), environment.starts
+    main = environment.component(*starts[0]) if starts else inside(environment)[0]
     tree = clearance_tree(main)
     reachable = _reachable(environment, main, footprint.inscribed_radius_m)
     _, cleaning = cleaned(environment.free, CleaningOptions())
@@ -198,13 +223,16 @@ def check_map(environment: Environment, footprint: Footprint, *, share: float = 
         footprint=footprint,
         share=share,
         parts=parts,
-        around=around,
+        around=surrounding(environment),
         main=main,
         start_parts=tuple(
             parts.index(environment.component(*start)) for start in environment.starts
         ),
         superfluous_vertices=cleaning.removed_vertices,
-        passages=tree.passages(min(MIN_BEYOND_M2, MIN_BEYOND_SHARE * main.area)),
+        passages=tree.passages(
+            min(MIN_BEYOND_M2, MIN_BEYOND_SHARE * main.area),
+            apart_m=2.0 * footprint.inscribed_radius_m,
+        ),
         largest=tree.largest_body(share),
         reachable=reachable,
         unreachable=_unreachable(main, reachable, footprint.inscribed_radius_m),
@@ -215,6 +243,12 @@ def place_in(area: Polygon) -> str:
     """Return a point inside an area as text, in metres."""
     point = shapely.point_on_surface(area)
     return f"({point.x:.2f}, {point.y:.2f})"
+
+
+def _largest_radius_m(main: Polygon) -> float:
+    # Of the discs that fit anywhere, whatever they reach.
+    tolerance = RADIUS_PRECISION * math.sqrt(main.area)
+    return float(shapely.maximum_inscribed_circle(main, tolerance=tolerance).length)
 
 
 def _reachable(environment: Environment, main: Polygon, radius_m: float) -> tuple[Polygon, ...]:

@@ -11,7 +11,7 @@ import click
 from multisrt.cli import candidates
 from multisrt.cli.mistakes import CommandGroup, is_world
 from multisrt.cli.output_options import force_option, quiet_option
-from multisrt.cli.outputs import require_no_file, require_place, stem_of
+from multisrt.cli.outputs import require_no_file, require_place, require_svg, stem_of
 from multisrt.cli.own_map import starts_from_option
 from multisrt.cli.reach import areas, around
 from multisrt.cli.tables import show as show_table
@@ -84,7 +84,7 @@ def environments(context: click.Context) -> None:
     "--out",
     type=click.Path(path_type=Path),
     metavar="FILE",
-    help="File for the picture.  [default: ENV.svg]",
+    help="File for the picture (.svg).  [default: ENV.svg]",
 )
 @force_option()
 @click.option("--resolution", type=float, help="Metres per pixel of an image without its own.")
@@ -119,6 +119,7 @@ def show(
     )
     if out is None:
         out = Path(f"{stem_of(environment)}.svg")
+    require_svg(out)
     require_no_file(out, force=force)
     world = build_environment(where)
     save_environment_svg(world, out)
@@ -222,6 +223,8 @@ def _describe(world: Environment, name: str) -> None:
     )
     if world.cleaning:
         click.echo(f"cleaned: {world.cleaning}")
+    if world.layers is not None:
+        click.echo(world.layers)
     if said := around(world):
         click.echo(said)
     for entry in catalog():
@@ -246,7 +249,7 @@ def _describe(world: Environment, name: str) -> None:
     help="Share of the main part that a body is to reach.",
 )
 @click.option(
-    "--out", type=click.Path(path_type=Path), metavar="FILE", help="File for a picture (SVG)."
+    "--out", type=click.Path(path_type=Path), metavar="FILE", help="File for a picture (.svg)."
 )
 @click.option(
     "--fix",
@@ -305,6 +308,8 @@ def check(
     body = Footprint.parse(footprint)
     if fix is None and (names := [name for name in ("specks", "close", "simplify") if given[name]]):
         raise click.UsageError(f"--{names[0]} requires --fix OUT")
+    if out is not None:
+        require_svg(out)
     for path in (out, fix):
         if path is not None:
             require_place(path, force=force)

@@ -56,6 +56,8 @@ def report(check: MapCheck) -> Iterator[str]:
     )
     if world.cleaning:
         yield f"cleaned: {world.cleaning}"
+    if world.layers is not None:
+        yield str(world.layers)
     yield f"free space: {areas(world)}{_parts_of_starts(check)}"
     if said := around(world):
         yield said

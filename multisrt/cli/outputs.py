@@ -116,6 +116,25 @@ def require_place(path: Path, *, force: bool) -> None:
     require_no_file(path, force=force)
 
 
+def require_svg(path: Path) -> None:
+    """Check that a file for a picture has the suffix of SVG.
+
+    Raises
+    ------
+    InvalidInputError
+        If it has another suffix, or none.
+
+    Examples
+    --------
+    >>> require_svg(Path("office.svg"))
+    """
+    # That a folder cannot be written is told by the writer.
+    if path.suffix.lower() != ".svg" and not path.is_dir():
+        raise InvalidInputError(
+            f"{path}: this picture is written as SVG; name the file {path.with_suffix('.svg')}"
+        )
+
+
 def require_no_run(folder: Path, *, force: bool) -> None:
     """Check that the files of a run may be written to a folder.
 

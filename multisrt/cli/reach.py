@@ -14,6 +14,9 @@ if TYPE_CHECKING:
 MIN_SHARE = 0.9
 """Share of free space; if the robots can reach less, the summary says so."""
 
+PAGE = "if it is the page around a building, explore the inside with"
+"""Beginning of the remedy where it is not sure what a part is."""
+
 MAX_AREAS = 5
 """Number of parts that are listed by size."""
 
@@ -43,6 +46,9 @@ def areas(environment: Environment) -> str:
 def around(environment: Environment) -> str:
     """Return a note on the part of a world that lies around others; empty if there is none.
 
+    Where it may be a page around a building as well as a hall with closed rooms, it says how to
+    start inside.
+
     Examples
     --------
     >>> import shapely
@@ -52,16 +58,19 @@ def around(environment: Environment) -> str:
     >>> around(plan)
     'the part of 36 m2 lies around the others: it touches the border of the map'
     """
-    from multisrt.environments.pieces import enclosing
+    from multisrt.environments.pieces import enclosing, start_in, surrounding
 
-    found = enclosing(environment)
+    found = surrounding(environment)
     if found is None:
         return ""
-    return (
+    said = (
         f"the part of {found.area.area:.4g} m2 lies around "
         f"{'the others' if len(found.inside) + 1 == len(environment.components) else 'others'}: "
         "it touches the border of the map"
     )
+    if enclosing(environment) is not None:
+        return said
+    return f"{said}; {PAGE} --start {start_in(found.inside[0])}"
 
 
 def elsewhere(environment: Environment, start: Sequence[float]) -> str:
@@ -77,8 +86,8 @@ def elsewhere(environment: Environment, start: Sequence[float]) -> str:
     Returns
     -------
     str
-        How many parts there are, which of them is that of the team, whether it lies around the
-        others, and where the largest of those is.
+        How many parts there are, which of them is that of the team, whether it or another lies
+        around others, and where the largest of those is.
 
     Examples
     --------
@@ -91,11 +100,11 @@ def elsewhere(environment: Environment, start: Sequence[float]) -> str:
     >>> elsewhere(rooms, (1.0, 1.0, 0.0)).partition("; ")[2]
     'the largest has 6 m2, e.g. at (4.50, 1.00)'
     """
-    from multisrt.environments.pieces import enclosing, pieces
+    from multisrt.environments.pieces import enclosing, inside, start_in, surrounding
 
     here = environment.component(*start[:2])
     share = here.area / environment.area_m2
-    outside = enclosing(environment)
+    outside = surrounding(environment)
     starts_outside = outside is not None and outside.area is here
     if share >= MIN_SHARE and not starts_outside:
         return ""
@@ -103,15 +112,19 @@ def elsewhere(environment: Environment, start: Sequence[float]) -> str:
         f"free space has {areas(environment)}, and the start is in that of {here.area:.4g} m2 "
         f"({100.0 * share:.0f} %)"
     )
-    largest = pieces(environment)[0]
     if outside is not None and starts_outside:
-        inside = outside.inside[0]
-        return (
-            f"{said}, which lies around others and touches the border of the map; the largest "
-            f"inside has {inside.area:.4g} m2, e.g. at {_place(inside)}"
+        largest = outside.inside[0]
+        said += (
+            f", which lies around others and touches the border of the map; the largest "
+            f"inside has {largest.area:.4g} m2, e.g. at {_place(largest)}"
         )
+        is_page = enclosing(environment) is not None
+        return said if is_page else f"{said}; {PAGE} --start {start_in(largest)}"
+    largest = inside(environment)[0]
     if here.area < largest.area:
         said += f"; the largest has {largest.area:.4g} m2, e.g. at {_place(largest)}"
+    if outside is not None and outside.area.area > here.area:
+        said += f"; that of {outside.area.area:.4g} m2 lies around others"
     return said
 
 

@@ -162,6 +162,8 @@ def _print_reach(run: Run) -> None:
     m, start = run.metrics, run.recording.starts[0]
     if run.environment.cleaning:
         click.echo(f"  map cleaned: {run.environment.cleaning}")
+    if run.environment.layers is not None:
+        click.echo(f"  map {run.environment.layers}")
     if said := elsewhere(run.environment, start):
         click.echo(f"  {said}")
     area_m2 = run.environment.component(start.x, start.y).area

@@ -13,6 +13,7 @@ from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
 from multisrt.environments.environment import Environment
+from multisrt.environments.pieces import enclosing, inside
 from multisrt.geometry.bodies.collision import Body, body_distance
 from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
@@ -46,7 +47,8 @@ def starts_of(
 
     Robots with a start in the spec start there. A single robot without one starts at the first
     suggested start of the environment that its body fits at or, if the environment suggests none,
-    at a position drawn uniformly where it has room in any heading. In a team, robots are
+    at a position drawn uniformly where it has room in any heading, but not in a part that lies
+    around a building (`multisrt.environments.pieces.inside`). In a team, robots are
     scattered, each at the one of `CANDIDATES` such positions that is farthest from the others,
     with a random heading; or each at such a position where it has room beside the others; or at the
     suggested starts, in their order; or clustered around the first one, which starts like a single
@@ -105,12 +107,14 @@ def drawn_start(
 ) -> Configuration:
     """Return a random configuration, uniform where a body has room in any heading.
 
+    It is not in a part that lies around a building (`multisrt.environments.pieces.inside`).
+
     Raises
     ------
     InvalidInputError
         If the body fits nowhere.
     """
-    place = _drawn_place(_largest_room(environment, environment.free, footprint), rng)
+    place = _drawn_place(_default_room(environment, footprint), rng)
     return Configuration(place.x, place.y, float(rng.uniform(-math.pi, math.pi)))
 
 
@@ -139,9 +143,9 @@ def _require_fit(environment: Environment, footprint: Footprint, start: Configur
 
 
 def _common_component(environment: Environment, starts: dict[int, Configuration]) -> Polygon:
-    # The component of all starts, or the largest one if there are none.
+    # The component of all starts, or the main one if there are none.
     if not starts:
-        return max(environment.free.geoms, key=lambda part: part.area)
+        return inside(environment)[0]
     first = min(starts)
     component = environment.component(*starts[first][:2])
     for number, (x, y, _) in starts.items():
@@ -202,7 +206,7 @@ def _require_turning_circles(
 def _alone(streams: RandomStreams, environment: Environment, footprint: Footprint) -> Configuration:
     if environment.starts:
         return _suggested(environment, footprint)
-    area = _largest_room(environment, environment.free, footprint)
+    area = _default_room(environment, footprint)
     start = _drawn_place(area, streams.of("starts"))
     _require_fit(environment, footprint, start)
     return start
@@ -254,14 +258,26 @@ def _take_suggested(
             )
 
 
+def _default_room(environment: Environment, footprint: Footprint) -> Polygon:
+    # In all of free space but the part around a building.
+    parts = inside(environment)
+    is_all = len(parts) == len(environment.components)
+    free = environment.free if is_all else shapely.MultiPolygon(parts)
+    return _largest_room(environment, free, footprint)
+
+
 def _largest_room(environment: Environment, free: BaseGeometry, footprint: Footprint) -> Polygon:
     # The largest area of positions with room in any heading.
     radius = footprint.circumscribed_radius_m
     parts = [part for part in shapely.get_parts(_roomy(free, radius)) if not part.is_empty]
     if not parts:
+        around = enclosing(environment)
+        where = f"{environment.name!r}"
+        if around is not None:
+            where = f"the parts of {where} around which that of {around.area.area:.4g} m2 lies"
         raise InvalidInputError(
-            f"the body {footprint} fits nowhere in {environment.name!r}: it needs a clearance of "
-            f"{radius:.3g} m; choose a smaller body"
+            f"the body {footprint} fits nowhere in {where}: it needs a clearance of "
+            f"{radius:.3g} m; choose a smaller body{' or its start' * (around is not None)}"
         )
     largest: Polygon = max(parts, key=lambda part: part.area)
     return largest

@@ -1,11 +1,13 @@
 import json
 import math
+from pathlib import Path
 
 import hypothesis.strategies as st
 import numpy as np
 import pytest
 import shapely
 from hypothesis import given, settings
+from hypothesis.extra.numpy import arrays
 from shapely import Polygon, box
 
 from multisrt.environments.cleaning import (
@@ -19,6 +21,7 @@ from multisrt.environments.cleaning import (
 from multisrt.environments.environment import Environment
 from multisrt.environments.fixing import fixed
 from multisrt.environments.formats import read_environment
+from multisrt.environments.formats.files import grid_polygons, straightened
 from multisrt.geometry.errors import InvalidInputError, MapFormatError
 
 HALL = box(0, 0, 10, 6)
@@ -91,6 +94,22 @@ def test_a_loop_is_filled_and_its_area_told():
     assert filled.is_valid
     assert cleaning.repaired_m2 == pytest.approx(filled.symmetric_difference(drawn).area)
     assert cleaning.repaired_m2 > 0
+
+
+@pytest.mark.parametrize(
+    ("hole", "changed"),
+    [
+        ([(8, 2), (10, 2), (10, 4), (8, 4)], 0.0),  # reaches the outer edge
+        ([(8, 2), (11, 2), (11, 4), (8, 4)], 2.0),  # and beyond
+        ([(0, 0), (10, 0), (10, 1), (0, 1)], 0.0),
+    ],
+)
+def test_a_hole_at_the_edge_changes_no_area(hole, changed):
+    polygon = Polygon(HALL.exterior, [hole])
+    assert not polygon.is_valid
+    free, cleaning = repaired(polygon)
+    assert free.area == HALL.area - HALL.intersection(Polygon(hole)).area
+    assert cleaning.repaired_m2 == pytest.approx(changed)
 
 
 def test_a_valid_polygon_is_not_touched():
@@ -225,9 +244,32 @@ def test_overlapping_rooms_of_a_file_are_told(tmp_path):
 
 def test_grids_tell_how_far_walls_may_move(tmp_path):
     path = tmp_path / "grid.map"
-    path.write_text("type octile\nheight 2\nwidth 2\nmap\n..\n..\n")
+    path.write_text("type octile\nheight 3\nwidth 3\nmap\n@@.\n@..\n...\n")
     world = read_environment(path, resolution_m=0.5)
     assert world.cleaning.straightened_m == pytest.approx(0.5 * math.hypot(0.5, 0.45))
     assert str(world.cleaning) == "walls straightened within 0.336 m"
     # A format without rings has nothing to repair.
     assert read_environment(path, resolution_m=0.5, repair=True) == world
+
+
+@pytest.mark.parametrize("rows", ["...|...", ".@.|.@.", "...|.@.|..."])
+def test_grids_without_slanted_walls_are_not_straightened(tmp_path, rows):
+    path = tmp_path / "grid.map"
+    lines = rows.split("|")
+    path.write_text("\n".join(["type octile", f"height {len(lines)}", "width 3", "map", *lines]))
+    world = read_environment(path, resolution_m=0.3)
+    assert not world.cleaning
+    assert world.area_m2 == pytest.approx(0.09 * rows.count("."))
+    turned = shapely.affinity.rotate(world.free, 30)
+    assert straightened(turned, 0.3).straightened_m > 0
+
+
+@settings(max_examples=200, deadline=None)
+@given(free=arrays(bool, (6, 7)))
+def test_walls_are_told_as_straightened_iff_they_moved(free):
+    if not free.any():
+        return
+    cells = [shapely.box(x, y, x + 1, y + 1) for y, x in zip(*np.nonzero(free[::-1]), strict=True)]
+    polygons = grid_polygons(Path("map.png"), free, 1.0)
+    stayed = polygons.symmetric_difference(shapely.union_all(cells)).area == 0.0
+    assert bool(straightened(polygons, 1.0)) is not stayed

@@ -489,3 +489,17 @@ def test_damage_raises_nothing_but_map_format_errors(tmp_path_factory, content, 
     path.write_bytes(content)
     with contextlib.suppress(MapFormatError):
         read_environment(path, resolution_m=resolution_m)
+
+
+def test_layers_that_are_read_and_left_out_are_told(tmp_path):
+    drawing, space = new()
+    space.add_circle((5, 5), 1, dxfattribs=on("FURNITURE"))
+    for x in (0, 10):
+        space.add_line((x, 0), (x, 8), dxfattribs=on("Layer 1"))
+    world = read(tmp_path, drawing)
+    assert str(world.layers).startswith(
+        "layers read: FURNITURE (obstacles); left out: Layer 1 (2 shapes); name layers"
+    )
+    drawing, space = new()
+    space.add_line((0, 0), (9, 8), dxfattribs=on("Layer 1"))
+    assert read(tmp_path, drawing).layers is None

@@ -727,3 +727,72 @@ def test_damage_raises_nothing_but_map_format_errors(tmp_path_factory, text, res
     path.write_text(text)
     with contextlib.suppress(MapFormatError):
         read_environment(path, resolution_m=resolution_m)
+
+
+# What is said of layers that are read, and of those that are left out.
+
+INK = 'xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape"'
+
+
+def layer(label, content):
+    return f'<g inkscape:groupmode="layer" inkscape:label="{label}" id="layer1">{content}</g>'
+
+
+SQUARE = '<rect id="rect1" x="1" y="1" width="2" height="2"/>'
+LINE = '<g id="g12"><path id="p7" d="M0 0 h10" fill="none" stroke="#222"/></g>'
+
+
+def test_layers_left_out_beside_furniture_are_told(tmp_path):
+    world = read(tmp_path, page(layer("Layer 1", 3 * LINE) + layer("Furniture", SQUARE), more=INK))
+    assert world.area_m2 == pytest.approx(76)
+    assert str(world.layers) == (
+        "layers read: Furniture (obstacles); left out: Layer 1 (3 shapes); "
+        "name layers walls, obstacles, free, ... to read them"
+    )
+    assert not world.layers.bounds_space
+
+
+def test_what_cannot_be_seen_is_not_left_out(tmp_path):
+    hidden = '<rect width="9" height="9" fill="{}" {}/>'
+    content = "".join(
+        hidden.format(fill, more)
+        for fill, more in (
+            ("white", ""),
+            ("none", ""),
+            ("black", 'opacity="0.05"'),
+            ("black", 'visibility="hidden"'),
+            ("black", 'display="none"'),
+        )
+    )
+    world = read(tmp_path, page(content + layer("Walls", SQUARE), more=INK))
+    assert str(world.layers) == "layers read: Walls (walls)"
+    assert world.layers.bounds_space
+
+
+def test_shapes_without_a_layer_and_images_are_left_out(tmp_path):
+    content = SQUARE + '<image width="2" height="2" href="scan.png"/>'
+    world = read(tmp_path, page(content + '<path class="thin wall" d="M5 5h1v1z"/>'))
+    assert [tuple(one) for one in world.layers.layers] == [
+        ("", "", 2),
+        ("wall", "walls", 1),
+    ]
+    assert "left out: what is in no layer (2 shapes)" in str(world.layers)
+
+
+def test_many_layers_are_not_all_listed(tmp_path):
+    content = "".join(f'<g id="part{n}">{LINE}</g>' for n in range(7))
+    world = read(tmp_path, page(content + f'<g id="wall">{SQUARE}</g>'))
+    assert "left out: part0 (1 shape), part1 (1 shape), " in str(world.layers)
+    assert "part4 (1 shape) and 2 others; " in str(world.layers)
+
+
+def test_plans_without_names_have_no_layers(tmp_path):
+    assert read(tmp_path, page(layer("Layer 1", SQUARE), more=INK)).layers is None
+
+
+def test_names_of_layers_cannot_control_a_terminal(tmp_path):
+    world = read(
+        tmp_path, page(layer("a&#x9b;m" + 99 * "x", LINE) + layer("cols", SQUARE), more=INK)
+    )
+    assert str(world.layers).isprintable()
+    assert len(world.layers.left_out[0].name) == 40

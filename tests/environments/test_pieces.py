@@ -3,7 +3,7 @@
 import shapely
 
 from multisrt.environments.environment import Environment
-from multisrt.environments.pieces import enclosing, is_minor, pieces
+from multisrt.environments.pieces import enclosing, inside, is_minor, pieces, surrounding
 
 PAPER = shapely.box(0, 0, 20, 10)
 BUILDING = shapely.box(1, 1, 19, 9)
@@ -54,6 +54,50 @@ def test_a_courtyard_that_touches_no_border_is_no_paper():
     sides = shapely.union_all([shapely.box(0, 2, 1, 8), shapely.box(19, 2, 20, 8)])
     world = Environment("court", shapely.union_all([ring, inner, beside, above, sides]))
     assert enclosing(world) is None
+
+
+def flat_on(page: shapely.Polygon) -> Environment:
+    """A flat of 13 x 12 m with walls of 0.3 m, of two rooms, on a page."""
+    flat = shapely.box(2, 2, 15, 14)
+    rooms = [shapely.box(2.3, 2.3, 10, 13.7), shapely.box(10.2, 2.3, 14.7, 13.7)]
+    return Environment.from_outline("flat", page, [flat - shapely.union_all(rooms)])
+
+
+def test_a_small_flat_on_a_large_page_is_surrounded_but_not_chosen():
+    world = flat_on(shapely.box(0, 0, 36, 30))
+    assert enclosing(world) is None
+    found = surrounding(world)
+    assert found is not None
+    assert found.area is world.component(0.5, 0.5)
+    assert [round(room.area, 2) for room in found.inside] == [87.78, 51.3]
+    assert inside(world) == pieces(world)
+
+
+def test_a_page_that_is_cut_along_most_of_its_border_surrounds():
+    page = shapely.box(0, 0, 36, 30) - shapely.box(30, 29, 35, 30)
+    assert surrounding(flat_on(page)) is not None
+    page = shapely.box(0, 0, 36, 30) - shapely.box(5, 29, 35, 30)
+    assert surrounding(flat_on(page)) is None
+
+
+def test_what_no_robot_fits_into_is_not_surrounded():
+    # The inside of a hollow wall, of more than 4 m2, and a closet of 4 m2.
+    strip = shapely.box(2, 2, 20, 2.3)
+    wall = strip.buffer(0.05, join_style="mitre") - strip
+    closet = shapely.box(5, 5, 7.2, 7.2) - shapely.box(5.1, 5.1, 7.1, 7.1)
+    world = Environment.from_outline("hall", shapely.box(0, 0, 30, 30), [wall, closet])
+    assert surrounding(world) is None
+    larger = shapely.box(15, 5, 17.2, 7.2) - shapely.box(15.1, 5.1, 17.1, 7.1)
+    world = Environment.from_outline("hall", shapely.box(0, 0, 30, 30), [closet, larger])
+    found = surrounding(world)
+    assert found is not None
+    assert len(found.inside) == 2
+
+
+def test_inside_is_all_but_the_paper():
+    assert [piece.area for piece in inside(plan())] == [48.0, 42.0]
+    rooms = Environment("rooms", ROOMS)
+    assert inside(rooms) == pieces(rooms)
 
 
 def test_all_but_the_largest_area_inside_is_minor():

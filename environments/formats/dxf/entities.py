@@ -58,6 +58,7 @@ class Line(NamedTuple):
 class Part(NamedTuple):
     """What an entity draws, in metres: lines, or the rings of a filled area."""
 
+    layer: str
     role: Role | None
     lines: list[Line]
     rings: list[FloatArray]
@@ -181,7 +182,7 @@ class Drawer:
             # Without a role, a pattern may show a floor as well as a wall.
             is_pattern = kind == "HATCH" and not entity.dxf.get("solid_fill", 0)
             if role is not None or not is_pattern:
-                yield Part(role, [], rings)
+                yield Part(layer, role, [], rings)
         elif kind in LINES and not self._is_mesh(entity):
             width = self._width(entity, matrix)
             lines = []
@@ -191,7 +192,7 @@ class Drawer:
                     np.hypot(*(points[0] - points[-1])) <= 1e-6 * (1 + np.abs(points).max())
                 )
                 lines.append(Line(points[:-1] if is_closed else points, is_closed, width))
-            yield Part(role, lines, [])
+            yield Part(layer, role, lines, [])
         else:
             raise MapFormatError(
                 f"{self._path}: the {kind[:40]} on the layer {layer[:40]!r} is not read; explode "

@@ -20,7 +20,7 @@ from multisrt.environments.formats.files import (
     require_resolution,
 )
 from multisrt.environments.formats.map_format import Beginning, MapFormat
-from multisrt.environments.formats.plan import Role, role_names
+from multisrt.environments.formats.plan import Role, layers_of, role_names
 from multisrt.environments.formats.regions import (
     Pen,
     filled,
@@ -140,7 +140,8 @@ def read_dxf(
     origin = (
         f"{path.name} at {scale:g} m per unit, {rule}, lines {WALL_THICKNESS_M * 100:g} cm thick"
     )
-    return build_environment(path, free, name=name, origin=origin, starts=starts)
+    layers = layers_of((part.layer, part.role) for part in parts) if _has_names(parts) else None
+    return build_environment(path, free, name=name, origin=origin, starts=starts, layers=layers)
 
 
 def _loaded(path: Path, ezdxf: Any) -> Drawing:
@@ -166,9 +167,13 @@ def _metres_per_unit(path: Path, drawing: Drawing, resolution_m: float | None) -
     return require_resolution(path, resolution_m, unit="drawing unit", least_m=MIN_RESOLUTION_M)
 
 
+def _has_names(parts: list[Part]) -> bool:
+    return any(part.role in (Role.FREE, Role.WALL, Role.OBSTACLE) for part in parts)
+
+
 def _free_space(path: Path, parts: list[Part]) -> tuple[BaseGeometry, str]:
     """Return free space, and the rule for walls in words."""
-    has_names = any(part.role in (Role.FREE, Role.WALL, Role.OBSTACLE) for part in parts)
+    has_names = _has_names(parts)
     rule = "walls by their layers" if has_names else "all lines are walls"
     chosen: dict[Role, list[Part]] = {role: [] for role in Role}
     for part in parts:

@@ -21,7 +21,7 @@ from multisrt.environments.formats.files import (
     require_number,
 )
 from multisrt.environments.formats.map_format import Beginning, MapFormat
-from multisrt.environments.formats.plan import Role, role_names
+from multisrt.environments.formats.plan import Role, layers_of, role_names
 from multisrt.environments.formats.regions import MAX_POINTS, opened, require_few_crossings
 from multisrt.environments.formats.svg.clips import Clipper
 from multisrt.environments.formats.svg.lengths import SvgError
@@ -37,6 +37,7 @@ from multisrt.environments.formats.svg.shapes import (
 from multisrt.environments.formats.svg.styles import lightness_and_alpha, opacity
 from multisrt.environments.formats.svg.tree import Document, Drawn
 from multisrt.environments.formats.xml_text import read_xml, root_name
+from multisrt.environments.layers import Layers
 from multisrt.geometry.errors import MapFormatError
 from multisrt.geometry.numerics.arrays import FloatArray
 
@@ -45,6 +46,9 @@ DARK_LIGHTNESS: Final = 0.5
 
 MAX_COVER_POINTS: Final = 1_000_000
 """Upper bound of the points of light shapes over dark ones, counted again for each dark one."""
+
+MIN_CONTRAST: Final = 0.1
+"""Minimum darkness, on white, of shapes that are said to be left out."""
 
 MAX_OUTSIDE: Final = 0.01
 """Maximum share of the area of walls that may be outside the page."""
@@ -139,7 +143,12 @@ def read_svg(
         free = shapely.transform(free, lambda points: points - (x, y))
         starts = [(sx - x, sy - y) for sx, sy in starts]
     return build_environment(
-        path, free, name=name, origin=f"{path.name} {page.scale}, {rule}", starts=starts
+        path,
+        free,
+        name=name,
+        origin=f"{path.name} {page.scale}, {rule}",
+        starts=starts,
+        layers=plan.layers,
     )
 
 
@@ -159,7 +168,13 @@ class _Plan:
         self._page = page
         named = {Role.FREE, Role.WALL, Role.OBSTACLE}
         self.has_names = any(one.role in named for one in shapes)
+        self.layers: Layers | None = None
         if self.has_names:
+            self.layers = layers_of(
+                (one.named if one.role else one.layer, one.role)
+                for one in shapes
+                if one.role is not None or _is_visible(one)
+            )
             shapes = [one for one in shapes if one.role is not None]
         self._clipper = Clipper(document)
         self._shapes: list[tuple[Drawn, Outline]] = []
@@ -332,6 +347,23 @@ def _is_painted(paint: str, color: str) -> bool:
     return paint.strip().lower() not in ("none", "transparent") and not (
         paint.strip().lower() == "currentcolor" and color.strip().lower() == "transparent"
     )
+
+
+def _is_visible(one: Drawn) -> bool:
+    """Return whether a shape is an image, or painted visibly on white."""
+    if one.element.name == "image":
+        return True
+    for kind in ("fill", "stroke"):
+        try:
+            color = lightness_and_alpha(one.style[kind], one.style["color"])
+            alpha = one.opacity * opacity(one.style[f"{kind}-opacity"])
+        except SvgError:  # a paint that is not read
+            return True
+        if color is None or (kind == "stroke" and _is_dashed(one.style["stroke-dasharray"])):
+            continue
+        if color[1] * alpha * (1 - color[0]) > MIN_CONTRAST:
+            return True
+    return False
 
 
 def _is_dashed(text: str) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
@@ -24,6 +24,7 @@ from multisrt.geometry.numerics.arrays import FloatArray
 
 SVG_NAMESPACE: Final = "http://www.w3.org/2000/svg"
 LABEL: Final = "http://www.inkscape.org/namespaces/inkscape label"
+GROUP_MODE: Final = "http://www.inkscape.org/namespaces/inkscape groupmode"
 HREFS: Final = ("href", "http://www.w3.org/1999/xlink href")
 
 MAX_DRAWN: Final = 25_000
@@ -63,6 +64,11 @@ class Drawn(NamedTuple):
         The clip paths that apply to it.
     viewport : (width, height)
         Size to which lengths in per cent refer, in user units.
+    named : str
+        The name that gives it its role; empty if it has none.
+    layer : str
+        Name of the nearest layer of Inkscape, or else of the outermost group that has a name;
+        may be empty.
     """
 
     element: Element
@@ -72,6 +78,8 @@ class Drawn(NamedTuple):
     role: Role | None
     clips: tuple[Clip, ...]
     viewport: tuple[float, float]
+    named: str
+    layer: str
 
 
 class _Context(NamedTuple):
@@ -81,6 +89,8 @@ class _Context(NamedTuple):
     role: Role | None
     clips: tuple[Clip, ...]
     viewport: tuple[float, float]
+    named: str
+    layer: str
     depth: int
 
 
@@ -138,7 +148,8 @@ class Document:
             style = self._sheet.computed(element, INITIAL)
         except SvgError as error:
             raise self.wrong(element, error) from error
-        context = _Context(transform, style, opacity(style["opacity"]), None, (), viewport, 0)
+        shown = opacity(style["opacity"])
+        context = _Context(transform, style, shown, None, (), viewport, "", "", 0)
         if style["display"] != "none":
             for child in element.children:
                 yield from self._drawn(child, context)
@@ -193,9 +204,9 @@ class Document:
             matrix=_product(around.matrix, own),
             style=style,
             opacity=around.opacity * opacity(style["opacity"]),
-            role=_role(element, around.role),
+            layer=_layer(element, around.layer),
             depth=around.depth + 1,
-        )
+        )._replace(**_role(element, around))
         if style["mask"] != "none":
             raise SvgError("masks are not read; cut the shape itself")
         if style["clip-path"] != "none":
@@ -235,8 +246,7 @@ class Document:
         return context._replace(
             style=style,
             opacity=context.opacity * opacity(style["opacity"]),
-            role=_role(symbol, context.role),
-        )
+        )._replace(**_role(symbol, context))
 
     def _referred(self, href: str) -> Element:
         name = href.strip("\"' ")
@@ -290,10 +300,22 @@ def view_box(element: Element) -> tuple[float, float, float, float] | None:
     return x, y, width, height
 
 
-def _role(element: Element, around: Role | None) -> Role | None:
+def _role(element: Element, around: _Context) -> dict[str, Any]:
+    """Return the role of an element, and the name that gives it."""
     label = element.attributes.get(LABEL, "")
-    names = (element.attributes.get("class", ""), element.attributes.get("id", ""))
-    return role_within([label] if role_of([label]) else names, around)
+    names = [*element.attributes.get("class", "").split(), element.attributes.get("id", "")]
+    if role_of([label]):
+        names = [label]
+    role = role_within(names, around.role)
+    if role is around.role:
+        return {}
+    return {"role": role, "named": next(name for name in names if role_of([name]) is role)}
+
+
+def _layer(element: Element, around: str) -> str:
+    if element.name not in GROUPS or (around and element.attributes.get(GROUP_MODE) != "layer"):
+        return around
+    return element.attributes.get(LABEL, "") or element.attributes.get("id", "") or around
 
 
 def _product(outer: FloatArray, inner: FloatArray) -> FloatArray:

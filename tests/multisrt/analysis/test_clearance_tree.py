@@ -164,3 +164,33 @@ def test_the_reached_share_is_that_of_erosion_and_dilation(seed, radius):
     tree = tree_of(free)
     if np.abs(tree.clearances - radius).min() > 2e-3:
         assert tree.reached_share(radius) == pytest.approx(reached_share(free, radius), abs=0.01)
+
+
+def rough_gap():
+    """Two rooms with a gap between rough walls, narrow at three places within 0.4 m."""
+    ups = [0.02, 0.0, 0.02, 0.01, 0.03, 0.005, 0.03]
+    xs = [4 + 0.06 * k for k in range(len(ups))]
+    lower = Polygon([(4, -1), *((x, 2 - up) for x, up in zip(xs, ups, strict=True)), (xs[-1], -1)])
+    upper = shapely.affinity.scale(lower, 1, -1, origin=(0, 2.08))
+    return box(0, 0, 8, 4) - lower - upper
+
+
+def test_one_gap_that_is_narrow_at_several_places_is_one_passage():
+    tree = tree_of(rough_gap())
+    several = tree.passages(0.3)
+    assert len(several) > 1
+    (gap,) = tree.passages(0.3, apart_m=0.5)
+    assert gap == several[0]
+    assert tree.passages(0.3, apart_m=0.01) == several
+
+
+def test_doors_of_two_closets_side_by_side_are_two_passages():
+    walls = box(-1, 2, 1.6, 2.2) | box(1.8, 2, 2.2, 2.2) | box(2.4, 2, 5, 2.2) | box(1.9, 2, 2.1, 5)
+    tree = tree_of(box(0, 0, 4, 4) - walls)
+    doors = tree.passages(0.3, apart_m=1.0)
+    assert sorted(round(door.centre[0], 1) for door in doors) == [1.7, 2.3]
+
+
+def test_doors_on_both_sides_of_an_anteroom_are_two_passages():
+    free = rooms((1.9, 0.3), (1.9, 0.4))
+    assert len(tree_of(free).passages(0.3, apart_m=5.0)) == 2

@@ -50,6 +50,16 @@ def test_a_body_that_fits_nowhere_is_a_problem():
     assert "radius of 2 m" in check.problems[0]
 
 
+def test_the_largest_disc_is_the_one_that_fits_anywhere():
+    # A hall of 4 x 4 m, and half of the area in corridors of 0.4 m.
+    corridors = [box(4, 0.5 * k, 14, 0.5 * k + 0.4) for k in range(8)]
+    check = check_map(Environment("comb", shapely.union_all([box(0, 0, 4, 4), *corridors])), BODY)
+    assert check.largest.radius_m == pytest.approx(0.2, abs=0.01)
+    large = check_map(check.environment, Footprint.disc(2.5))
+    assert large.largest == check.largest
+    assert "the largest disc there has a radius of 2 m" in large.problems[0]
+
+
 def test_starts_in_other_parts_or_beside_walls_are_problems():
     two = shapely.union_all([box(0, 0, 8, 4), box(9, 0, 9.5, 1)])
     world = Environment("two", two, starts=[(1, 1), (9.2, 0.5), (7.9, 2)])
@@ -74,6 +84,16 @@ def test_paper_around_a_building_is_not_the_main_part():
     check = check_map(Environment.from_outline("plan", box(0, 0, 10, 10), [wall]), BODY)
     assert check.main.area == 36.0
     assert "the area around the walls is free, too" in check.problems[0]
+
+
+def test_a_page_around_a_small_plan_is_no_matter_of_doors():
+    wall = box(1, 1, 13, 13) - box(1.5, 1.5, 12.5, 12.5)
+    check = check_map(Environment.from_outline("page", box(0, 0, 36, 30), [wall]), BODY)
+    assert check.main.area == 36 * 30 - 144
+    assert (
+        ", which lies around others along the border of the map: if it is the page around a "
+        "building, make it occupied, or explore with --start 7.00,7.00; else open doors"
+    ) in check.problems[0]
 
 
 @pytest.mark.parametrize("share", [0.0, -1.0, 1.1, float("nan")])

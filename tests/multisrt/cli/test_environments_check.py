@@ -2,8 +2,11 @@ import json
 import re
 import xml.etree.ElementTree as ET
 
+import pytest
+
 from multisrt.environments.formats import read_environment
 
+STAIRS = "type octile\nheight 5\nwidth 5\nmap\n@@@..\n@@...\n@....\n.....\n.....\n"
 BOW = "POLYGON ((0 0, 4 4, 4 0, 0 4))"
 
 
@@ -25,6 +28,15 @@ def test_a_narrow_door_is_a_problem(call, folder):
     assert "\nproblem: the body disc:0.25 reaches 50.0 % of the main part" in out
     assert ET.parse(folder / "narrow.svg").getroot().tag.endswith("svg")
     assert call("environments", "check", "narrow.wkt", "--footprint", "disc:0.2")[0] == 0
+
+
+@pytest.mark.parametrize("name", ["narrow.png", "narrow", "narrow.svg.txt"])
+@pytest.mark.parametrize("command", ["show", "check"])
+def test_pictures_are_svg_by_their_suffix(call, folder, command, name):
+    code, _, err = call("environments", command, "pillar.wkt", "--out", name)
+    assert code == 2
+    assert f"{name}: this picture is written as SVG; name the file narrow" in err
+    assert not (folder / name).exists()
 
 
 def test_quiet_prints_problems_only(call):
@@ -102,15 +114,45 @@ def test_options_of_fix_need_it(call):
 
 
 def test_images_say_how_far_walls_moved(call, folder):
-    (folder / "grid.map").write_text("type octile\nheight 2\nwidth 3\nmap\n...\n...\n")
+    (folder / "grid.map").write_text(STAIRS)
     for words in (("check", "grid.map"), ("show", "grid.map")):
         _, out, _ = call("environments", *words, "--resolution", "1")
         assert "cleaned: walls straightened within 0.673 m" in out
+    (folder / "grid.map").write_text("type octile\nheight 2\nwidth 3\nmap\n.@.\n.@.\n")
+    assert "cleaned" not in call("environments", "check", "grid.map", "--resolution", "1")[1]
 
 
 def test_explore_says_what_was_cleaned(call, folder):
-    (folder / "grid.map").write_text("type octile\nheight 4\nwidth 4\nmap\n" + "....\n" * 4)
+    (folder / "grid.map").write_text(STAIRS)
     code, out, _ = call("explore", "grid.map", "--resolution", "1")
     assert code == 0
     assert "  map cleaned: walls straightened within 0.673 m" in out
     assert "map cleaned" not in call("explore", "room.wkt")[1]
+
+
+def test_layers_left_out_are_told_and_a_problem(call, folder):
+    ink = 'xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape"'
+    (folder / "flat.svg").write_text(
+        f'<svg xmlns="http://www.w3.org/2000/svg" {ink} viewBox="0 0 10 8">'
+        '<g inkscape:groupmode="layer" inkscape:label="Layer 1"><path d="M0 4h9v1h-9z"/></g>'
+        '<g inkscape:groupmode="layer" inkscape:label="Furniture"><path d="M1 1h1v1z"/></g></svg>'
+    )
+    told = "layers read: Furniture (obstacles); left out: Layer 1 (1 shape); name layers walls, "
+    code, out, _ = call("environments", "check", "flat.svg", "--resolution", "1")
+    assert code == 1
+    assert told in out
+    assert (
+        "problem: no layer is read as walls or free space, and Layer 1 (1 shape) is left out: "
+        "name layers walls, obstacles, free, ... to read them" in out
+    )
+    code, out, _ = call("environments", "check", "flat.svg", "--resolution=1", "--fix", "flat.wkt")
+    assert code == 1
+    assert told in out
+    code, out, _ = call("environments", "show", "flat.svg", "--resolution", "1", "--out", "a.svg")
+    assert code == 0
+    assert told in out
+    text = (folder / "flat.svg").read_text().replace("Layer 1", "Walls")
+    (folder / "flat.svg").write_text(text)
+    code, out, _ = call("environments", "check", "flat.svg", "--resolution", "1")
+    assert "layers read: Walls (walls), Furniture (obstacles)\n" in out
+    assert "no layer" not in out

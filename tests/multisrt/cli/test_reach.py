@@ -55,6 +55,31 @@ def test_areas_and_what_lies_around():
     assert around(ROOMS) == ""
 
 
+PAGE = Environment.from_outline("page", shapely.box(0, 0, 30, 40), [WALLS])
+
+
+def test_a_page_around_a_small_plan_is_told_with_a_start_inside():
+    assert around(PAGE) == (
+        "the part of 1136 m2 lies around the others: it touches the border of the map; if it is "
+        "the page around a building, explore the inside with --start 5.00,5.00"
+    )
+    said = elsewhere(PAGE, (20.0, 20.0))
+    assert said.startswith("free space has 2 separate parts (1136, 49 m2), and the start is in")
+    assert said.endswith(
+        "that of 1136 m2 (96 %), which lies around others and touches the border of the map; the "
+        "largest inside has 49 m2, e.g. at (5.00, 5.00); if it is the page around a building, "
+        "explore the inside with --start 5.00,5.00"
+    )
+
+
+def test_a_start_inside_is_not_sent_to_the_page():
+    two = Environment.from_outline("two", shapely.box(0, 0, 12, 12), [WALLS])
+    assert elsewhere(two, (5.0, 5.0)) == (
+        "free space has 2 separate parts (80, 49 m2), and the start is in that of 49 m2 (38 %); "
+        "that of 80 m2 lies around others"
+    )
+
+
 @pytest.mark.slow
 def test_explore_says_where_the_robots_are(call, folder):
     (folder / "plan.wkt").write_text(shapely.to_wkt(PLAN.free))
@@ -90,14 +115,20 @@ def test_environments_show_tells_of_areas(call, folder):
 
 
 def test_experiment_check_warns_of_starts_outside(call, folder):
-    # There is more paper around the wide plan than room in the building: starts are drawn there.
+    # There is more paper around the wide plan than room in the building: no start is drawn there.
     wide = Environment.from_outline("wide", shapely.box(0, 0, 12, 12), [WALLS])
     for world in (PLAN, wide):
         (folder / f"{world.name}.wkt").write_text(shapely.to_wkt(world.free))
-    (folder / "plans.toml").write_text(
-        'name = "plans"\nenvironments = ["plan.wkt", "wide.wkt"]\nstrategies = ["closest"]\n'
-        'bodies = ["disc:0.2"]\nrepetitions = 1\n'
+    text = (
+        'name = "plans"\nenvironments = ["{}.wkt"]\nstrategies = ["closest"]\n'
+        'bodies = ["disc:0.2"]\nrepetitions = 1\n{}'
     )
+    for world in ("plan", "wide"):
+        (folder / "plans.toml").write_text(text.format(world, ""))
+        code, _, err = call("experiment", "check", "plans.toml", "--seconds", "0")
+        assert (code, err) == (0, "")
+    given = "starts = [{ places = [[0.5, 0.5]] }]"
+    (folder / "plans.toml").write_text(text.format("wide", given))
     code, _, err = call("experiment", "check", "plans.toml", "--seconds", "0")
     assert code == 0
     (warning,) = err.splitlines()

@@ -151,6 +151,29 @@ def test_a_random_start_lies_in_the_largest_part():
     assert all(start_of(RobotSpec(), cells, seed).x > 3.0 for seed in range(10))
 
 
+@pytest.mark.parametrize("how", ["scattered", "clustered", "random"])
+@pytest.mark.parametrize("robots", [1, 3])
+def test_robots_start_inside_a_building_not_on_the_paper(how, robots):
+    # 80 m2 of paper around a room of 49 m2.
+    wall = shapely.box(1, 1, 9, 9) - shapely.box(1.5, 1.5, 8.5, 8.5)
+    plan = Environment.from_outline("plan", shapely.box(0, 0, 12, 12), [wall])
+    room = shapely.box(1.5, 1.5, 8.5, 8.5)
+    for seed in range(3):
+        placed = starts(plan, team(robots), starts=how, seed=seed)
+        assert all(room.contains(shapely.Point(x, y)) for x, y, _ in placed)
+    assert starts(plan, [RobotSpec(start=(10, 10))])[0][:2] == (10, 10)
+    with pytest.raises(InvalidInputError, match=r"around which that of 80 m2 lies.* or its start"):
+        starts(plan, team(robots, footprint="disc:3.6"), starts=how)
+
+
+def test_a_page_that_may_be_a_hall_is_not_left_out():
+    # The room has less than half of the area around it.
+    wall = shapely.box(1, 1, 9, 9) - shapely.box(1.5, 1.5, 8.5, 8.5)
+    page = Environment.from_outline("page", shapely.box(0, 0, 20, 20), [wall])
+    placed = [start_of(RobotSpec(), page, seed) for seed in range(5)]
+    assert all(page.component(x, y).area == 20 * 20 - 64 for x, y, _ in placed)
+
+
 # Given starts of a team ---------------------------------------------------------------------
 
 

@@ -29,6 +29,9 @@ MAX_CELLS = 64_000_000
 MAX_STARTS = 1000
 """Upper bound of the suggested starts that are read from a file."""
 
+RESOLUTION_OPTION = "--resolution, in Python ms.read_environment(file, resolution_m=...)"
+"""How users give the metres per pixel, cell or unit of a drawing, for messages."""
+
 
 def require_file(path: Path) -> int:
     """Return the size of a map file in bytes.
@@ -170,7 +173,7 @@ def require_resolution(
     if resolution_m is None:
         raise MapFormatError(
             f"{path} does not say how large a {unit} is; "
-            f"give the metres per {unit} with --resolution (resolution_m)"
+            f"give the metres per {unit} with {RESOLUTION_OPTION}"
         )
     resolution_m = require_number(path, "resolution", resolution_m)
     if not (math.isfinite(resolution_m) and resolution_m >= least_m):

@@ -1,6 +1,7 @@
 import inspect
 from typing import Any
 
+import numpy as np
 import pytest
 import shapely
 
@@ -274,6 +275,21 @@ def test_a_misspelt_keyword_is_refused_with_a_hint():
         assert f"explore takes no argument {name!r} (did you mean {meant!r}?)" in str(error.value)
     with pytest.raises(InvalidInputError, match="no argument 'stop': give max_time_s=SECONDS"):
         explore("open", stop={"max_time_s": 9.0})  # type: ignore[call-arg]
+
+
+def test_messages_lead_from_an_image_to_its_world(tmp_path):
+    grid = tmp_path / "grid.npy"
+    np.save(grid, np.zeros((30, 30), dtype=bool))
+    way = r"ms\.read_environment\(file, resolution_m=\.\.\.\)"
+    with pytest.raises(InvalidInputError, match=f"metres per cell .*{way}"):
+        explore(grid)
+    for function in (explore, multisrt.Stepper):
+        with pytest.raises(InvalidInputError, match=f"'resolution_m': give .*{way}"):
+            function(grid, resolution_m=0.1)
+    with pytest.raises(InvalidInputError, match=f"'resolution_m': give .*{way}"):
+        multisrt.compare([grid], ["minpos", "closest"], resolution_m=0.1)
+    world = multisrt.read_environment(grid, resolution_m=0.1)
+    assert world.area_m2 == pytest.approx(9.0)
 
 
 def test_explanations_show_themselves_as_they_read(run):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,7 @@ from multisrt.spec import (
     EnvironmentSpec,
     FileEnvironment,
     InlineEnvironment,
+    Scalar,
     SuiteEnvironment,
 )
 
@@ -25,6 +27,7 @@ from multisrt.spec import (
 def environment_spec(
     text: str,
     *,
+    parameters: Mapping[str, Scalar] | None = None,
     resolution_m: float | None = None,
     threshold: float | None = None,
     starts_from: str | None = None,
@@ -36,6 +39,8 @@ def environment_spec(
     text : str
         A name of the catalogue or of a world of a suite (``indoor-30/07``), or else the path of a
         file; write ``./office`` for a file whose name is in the catalogue.
+    parameters : mapping of str to scalar, optional
+        Parameters of a generator that are not its defaults, its seed among them.
     resolution_m : float, optional
         Metres per pixel, for an image whose file does not give them.
     threshold : float, optional
@@ -46,13 +51,15 @@ def environment_spec(
     Raises
     ------
     InvalidInputError
-        If the text is none of these, or an environment of the catalogue or of a suite is given a
-        resolution, a threshold or a team file.
+        If the text is none of these, an environment of the catalogue or of a suite is given a
+        resolution, a threshold or a team file, or a file or a world of a suite is given parameters.
 
     Examples
     --------
     >>> environment_spec("office").name
     'office'
+    >>> environment_spec("maze", parameters={"cells": 20, "seed": 3}).parameters
+    {'cells': 20}
     >>> environment_spec("indoor-30/07").version
     1
     >>> environment_spec("./office.png", resolution_m=0.05).path
@@ -65,7 +72,14 @@ def environment_spec(
             "is for images"
         )
     if kind == "catalogue":
-        return CatalogEnvironment(name=text)
+        given = dict(parameters or {})
+        seed: Any = given.pop("seed", None)
+        return CatalogEnvironment(name=text, parameters=given, seed=seed)
+    if parameters:
+        what = "a world of a suite, which is fixed" if kind else "a map file"
+        raise InvalidInputError(
+            f"{text!r} is {what}: parameters are for generators; leave out {', '.join(parameters)}"
+        )
     if kind == "suite":
         suite = suites.load(text.partition("/")[0])
         suite.require_world(text)
@@ -115,6 +129,11 @@ def build_environment(spec: EnvironmentSpec) -> Environment:
     """
     if isinstance(spec, CatalogEnvironment):
         parameters: dict[str, Any] = dict(spec.parameters)
+        if "seed" in parameters:
+            raise InvalidInputError(
+                f"{spec.name}: the seed is not among the parameters of an environment, but a field "
+                f"beside them: seed = {parameters['seed']}"
+            )
         return environment(spec.name, seed=spec.seed, **parameters)
     if isinstance(spec, SuiteEnvironment):
         return suites.world(spec.name, version=spec.version)

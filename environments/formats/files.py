@@ -7,10 +7,10 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from shapely import MultiPolygon
+from shapely import MultiPolygon, Point
 from shapely.geometry.base import BaseGeometry
 
-from multisrt.environments.cleaning import Cleaning
+from multisrt.environments.cleaning import FIXING, Cleaning
 from multisrt.environments.environment import SLIVER_WIDTH_M, Environment
 from multisrt.environments.formats.bitmap import (
     Resolution,
@@ -257,6 +257,8 @@ def build_environment(
     name: str | None,
     origin: str,
     starts: Sequence[tuple[float, float]] = (),
+    start_places: Sequence[str] = (),
+    repair: bool | None = None,
     cleaning: Cleaning | None = None,
 ) -> Environment:
     """Return the world of a file; its default name is that of the file without suffix.
@@ -267,22 +269,42 @@ def build_environment(
         The file, for the name and for messages.
     free, name, origin, starts, cleaning
         As for `Environment`.
+    start_places : sequence of str, optional
+        For each start the file and the place in it, for messages; by default the file.
+    repair : bool, optional
+        Whether starts outside free space are left out instead of refused; None if the reader
+        repairs nothing.
 
     Raises
     ------
     MapFormatError
-        If the free space is not valid.
+        If the free space is not valid, or a start is not in it.
     """
+    name = path.stem if name is None else name
+    origin = escaped(origin)  # may hold names from the file
     try:
-        return Environment(
-            path.stem if name is None else name,
-            free,
-            starts=starts,
-            origin=escaped(origin),  # may hold names from the file
-            cleaning=cleaning,
-        )
+        return Environment(name, free, starts=starts, origin=origin, cleaning=cleaning)
     except InvalidInputError as error:
-        raise MapFormatError(f"{path}: {error}") from error
+        if not starts:
+            raise MapFormatError(f"{path}: {error}") from error
+    world = build_environment(path, free, name=name, origin=origin, cleaning=cleaning)
+    inside = [world.contains(*start) for start in starts]
+    if not repair:
+        first = inside.index(False)
+        place = start_places[first] if start_places else path
+        x, y = starts[first]
+        raise MapFormatError(
+            f"{place}: the suggested start ({x:g}, {y:g}) is not in free space, but "
+            f"{world.free.distance(Point(x, y)):.3g} m away from it; move it or remove it"
+            + ("" if repair is None else f"; {FIXING} without it")
+        )
+    return Environment(
+        name,
+        world.free,
+        starts=[start for start, is_inside in zip(starts, inside, strict=True) if is_inside],
+        origin=origin,
+        cleaning=world.cleaning + Cleaning(removed_starts=inside.count(False)),
+    )
 
 
 def shown(value: object) -> str:

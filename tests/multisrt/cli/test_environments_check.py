@@ -2,6 +2,8 @@ import json
 import re
 import xml.etree.ElementTree as ET
 
+import shapely
+
 from multisrt.environments.formats import read_environment
 
 BOW = "POLYGON ((0 0, 4 4, 4 0, 0 4))"
@@ -52,6 +54,37 @@ def test_fix_writes_a_clean_copy_beside_the_original(call, folder):
     copy = read_environment(folder / "bow.geojson")
     assert copy.area_m2 == 8.0
     assert not copy.cleaning
+
+
+def test_fix_leaves_out_starts_outside_free_space(call, folder):
+    features = [
+        {
+            "type": "Feature",
+            "properties": {"kind": "free"},
+            "geometry": json.loads(shapely.to_geojson(shapely.box(0, 0, 8, 5))),
+        },
+        *(
+            {
+                "type": "Feature",
+                "properties": {"kind": "start"},
+                "geometry": {"type": "Point", "coordinates": place},
+            }
+            for place in ([50, 5], [4, 2.5])
+        ),
+    ]
+    collection = {"type": "FeatureCollection", "features": features}
+    (folder / "hall.geojson").write_text(json.dumps(collection))
+    code, out, err = call("environments", "check", "hall.geojson")
+    assert (code, out) == (2, "")
+    assert err == (
+        "error: hall.geojson, feature 2: the suggested start (50, 5) is not in free space, but "
+        "42 m away from it; move it or remove it; 'multisrt environments check FILE --fix OUT' "
+        "writes a repaired copy without it\n"
+    )
+    code, out, err = call("environments", "check", "hall.geojson", "--fix", "clean.geojson")
+    assert (code, err) == (0, "")
+    assert "cleaned: 1 suggested start removed as not in free space\n" in out
+    assert read_environment(folder / "clean.geojson").starts == ((4.0, 2.5),)
 
 
 def test_fix_never_replaces_a_file_without_force(call, folder):

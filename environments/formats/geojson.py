@@ -72,7 +72,8 @@ def read_geojson(
     MapFormatError
         If the file is not GeoJSON, or has another geometry or kind, a ring that is open, too
         short or crosses itself, a coordinate that is not finite, coordinates in degrees, or no
-        free space, or a start is not in free space. The message gives feature, ring and position, counted from 1.
+        free space, or a start is not in free space. The message gives feature, ring and position,
+        counted from 1.
     """
     refuse_resolution(path, resolution_m)
     refuse_threshold(path, threshold)

@@ -152,9 +152,7 @@ def parameters_of(texts: Iterable[str]) -> dict[str, Any]:
     >>> parameters_of(["cells=20", "loops=0.5", "furnished=false"])
     {'cells': 20, 'loops': 0.5, 'furnished': False}
     """
-    return {
-        name: _scalar(text) for name, text in (_key_and_value(text, "--set") for text in texts)
-    }
+    return {name: _scalar(text) for name, text in (_key_and_value(text, "--set") for text in texts)}
 
 
 def _scalar(text: str) -> int | float | bool | str:

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import numpy as np
 import shapely
 
@@ -19,6 +20,7 @@ from multisrt.spec import (
     EnvironmentSpec,
     FileEnvironment,
     InlineEnvironment,
+    RunSpec,
     Scalar,
     SuiteEnvironment,
 )
@@ -125,7 +127,8 @@ def build_environment(spec: EnvironmentSpec) -> Environment:
     Raises
     ------
     InvalidInputError
-        If it cannot be built or read; the message says why.
+        If it cannot be built or read, or a file holds another world than the spec says; the message
+        says why.
     """
     if isinstance(spec, CatalogEnvironment):
         parameters: dict[str, Any] = dict(spec.parameters)
@@ -138,15 +141,57 @@ def build_environment(spec: EnvironmentSpec) -> Environment:
     if isinstance(spec, SuiteEnvironment):
         return suites.world(spec.name, version=spec.version)
     if isinstance(spec, FileEnvironment):
-        return read_environment(
+        world = read_environment(
             Path(spec.path),
             resolution_m=spec.resolution_m,
             threshold=spec.threshold,
             starts_from=spec.starts_from,
         )
+        require_digest(spec, world)
+        return world
     try:
         with np.errstate(invalid="ignore"):  # NaN coordinates are refused below
             free = shapely.from_wkt(spec.wkt)
     except shapely.errors.ShapelyError as error:
         raise InvalidInputError(f"environment {spec.name!r}: {error}") from None
     return Environment(spec.name, free, starts=spec.starts)
+
+
+def require_digest(spec: EnvironmentSpec, environment: Environment) -> None:
+    """Check that a world from a file is that of which the spec has the digest.
+
+    Raises
+    ------
+    InvalidInputError
+        If it is another one.
+    """
+    if not isinstance(spec, FileEnvironment) or spec.digest in (None, environment.digest):
+        return
+    found, given = environment.digest[:12], str(spec.digest)[:12]
+    raise InvalidInputError(
+        f"{spec.path} holds another world than when the spec was written: its free space has the "
+        f"digest {found}..., and the spec has {given}...; restore the file, or remove the line "
+        "'digest' from the spec to explore the world that it holds now"
+    )
+
+
+def with_digest(spec: RunSpec, digest: str | None) -> RunSpec:
+    """Return a spec with the digest of its world if that is from a file, or without it.
+
+    Parameters
+    ----------
+    spec : RunSpec
+        The spec of a run.
+    digest : str or None
+        Digest of its world, `Environment.digest`.
+
+    Examples
+    --------
+    >>> spec = RunSpec(environment=FileEnvironment(path="hall.wkt"))
+    >>> with_digest(spec, "1f0c").environment.digest
+    '1f0c'
+    """
+    if not isinstance(spec.environment, FileEnvironment) or spec.environment.digest == digest:
+        return spec
+    file = msgspec.structs.replace(spec.environment, digest=digest)
+    return msgspec.structs.replace(spec, environment=file)

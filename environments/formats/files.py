@@ -4,7 +4,7 @@ import json
 import math
 from collections.abc import Sequence
 from contextlib import suppress
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Any
 
 from shapely import MultiPolygon, Point
@@ -140,9 +140,55 @@ def named_file(folder: Path, name: str, place: str) -> Path:
     if not inside:
         raise MapFormatError(
             f"{place} names the file {shown(name)}, which is not in the folder of the map; "
-            "copy it into that folder and correct the name"
+            f"{_file_beside(folder, name) or 'copy it into that folder and correct the name'}"
         )
     return found
+
+
+def no_such_file(folder: Path, name: str, what: str) -> MapFormatError:
+    """Return the error that a file that a map file names does not exist.
+
+    Parameters
+    ----------
+    folder : Path
+        Folder of the map.
+    name : str
+        The name, as written in the map file.
+    what : str
+        The map file and the place in it, and what it names there, for the message, such as
+        ``"hall.yaml names the image"``.
+
+    Returns
+    -------
+    MapFormatError
+        It says if there is a file of that name beside the map, without the folders in the name.
+
+    Examples
+    --------
+    >>> Path("cave.png").touch()
+    >>> print(no_such_file(Path(), "bitmaps/cave.png", "cave.world, line 1 names the bitmap"))
+    cave.world, line 1 names the bitmap bitmaps/cave.png, which is not in the folder of the map; \
+cave.png is beside the map: write "cave.png", or move it to bitmaps
+    """
+    where = "the folder of the map" if folder == Path() else folder
+    remedy = _file_beside(folder, name) or "copy it there or correct the name"
+    return MapFormatError(f"{what} {name[:200]}, which is not in {where}; {remedy}")
+
+
+def _file_beside(folder: Path, name: str) -> str:
+    """Return that there is a file of a name, without its folders, beside the map; else ""."""
+    path = PurePosixPath(name)
+    if len(path.parts) < 2:
+        return ""
+    try:
+        beside = folder / path.name
+        if not (beside.is_file() and beside.resolve().parent == folder.resolve()):
+            return ""
+    except (OSError, ValueError, RuntimeError):
+        return ""
+    is_below = not path.is_absolute() and ".." not in path.parts
+    moved = f", or move it to {path.parent}" if is_below else ""
+    return f'{path.name} is beside the map: write "{path.name}"{moved}'
 
 
 def require_resolution(

@@ -12,6 +12,7 @@ from multisrt.environments.formats.files import (
     build_environment,
     grid_polygons,
     named_file,
+    no_such_file,
     read_text,
     refuse_threshold,
     require_resolution,
@@ -151,10 +152,7 @@ def _map_path(path: Path, problem: _Problem) -> Path:
         found = named_file(path.parent, name, problem.place)
         if found.is_file():
             return found
-    raise MapFormatError(
-        f"{problem.place} names the map {problem.map}, which is not in {path.parent}; "
-        "copy it there or correct the name"
-    )
+    raise no_such_file(path.parent, problem.map, f"{problem.place} names the map")
 
 
 def _start(cells: BoolArray, problem: _Problem, map_path: Path) -> tuple[int, int]:

@@ -27,6 +27,9 @@ PROBLEM = 1
 SPECK_M = 0.01
 """Default size of the specks that --fix drops, in metres."""
 
+FIXED = (".yaml", ".geojson", ".wkt", ".svg", ".dxf")
+"""Suffixes of maps that are written and read; a test compares them with those of the formats."""
+
 CHECK_EXAMPLES = """
 \b
 Examples:
@@ -257,7 +260,7 @@ def _parameters(name: str) -> str:
     type=click.Path(path_type=Path),
     metavar="OUT",
     help="Repair rings, drop specks and superfluous vertices, and write a clean copy "
-    "(.geojson or .wkt), which is then checked.",
+    f"({', '.join(FIXED[:-1])} or {FIXED[-1]}), which is then checked.",
 )
 @click.option(
     "--specks",
@@ -303,9 +306,13 @@ def check(
     from multisrt.cli.map_report import report
     from multisrt.drawing import save_map_check_svg
     from multisrt.exporting import save_environment
+    from multisrt.exporting.worlds import READABLE_SUFFIXES
+    from multisrt.exporting.written import require_suffix
     from multisrt.geometry.bodies.footprint import Footprint
 
     body = Footprint.parse(footprint)
+    if fix is not None:
+        require_suffix(fix, READABLE_SUFFIXES, "repaired copies")
     if fix is None and (names := [name for name in ("specks", "close", "simplify") if given[name]]):
         raise click.UsageError(f"--{names[0]} requires --fix OUT")
     for path in (out, fix):

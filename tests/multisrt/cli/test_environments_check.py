@@ -2,9 +2,13 @@ import json
 import re
 import xml.etree.ElementTree as ET
 
+import pytest
 import shapely
 
+from multisrt.cli.environments import FIXED
 from multisrt.environments.formats import read_environment
+from multisrt.exporting.worlds import MAP_SUFFIXES, READABLE_SUFFIXES
+from tests.multisrt.cli.commands import everything
 
 BOW = "POLYGON ((0 0, 4 4, 4 0, 0 4))"
 
@@ -126,6 +130,21 @@ def test_fix_drops_closes_and_simplifies(call, folder):
     copy = read_environment(folder / "clean.wkt")
     assert len(copy.components) == 2
     assert all(not part.interiors for part in copy.components)
+
+
+@pytest.mark.parametrize("name", ["clean.stl", "clean.glb", "clean.png", "clean"])
+def test_fix_writes_what_can_be_read_again(call, folder, name):
+    before = everything(folder)
+    code, out, err = call("environments", "check", "room.wkt", "--fix", name)
+    assert (code, out) == (2, "")
+    assert "; repaired copies are written as .yaml: ROS map server, " in err
+    assert "STL" not in err
+    assert everything(folder) == before
+
+
+def test_the_help_of_fix_lists_the_formats():
+    assert {MAP_SUFFIXES[suffix] for suffix in FIXED} == set(READABLE_SUFFIXES.values())
+    assert set(MAP_SUFFIXES) - set(READABLE_SUFFIXES) == {".stl", ".glb"}
 
 
 def test_options_of_fix_need_it(call):

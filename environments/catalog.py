@@ -142,18 +142,46 @@ def environment(name: str, *, seed: int | None = None, **parameters: float) -> "
         return _read(name)
     if name not in _GENERATORS:
         raise InvalidInputError(_unknown(name))
-    accepted = _parameters(name)
+    accepted = default_parameters(name)
     if KNOB in parameters and KNOB not in dict(accepted) and name in RANGES:
         others = {given: value for given, value in parameters.items() if given != KNOB}
         parameters = parameters_at(name, parameters[KNOB]) | others
     unknown = [parameter for parameter in parameters if parameter not in dict(accepted)]
     if unknown:
-        listed = ", ".join(f"{parameter}={default:g}" for parameter, default in accepted)
+        listed = ", ".join(f"{parameter}={as_text(value)}" for parameter, value in accepted)
         raise InvalidInputError(
             f"{name} has no parameter {unknown[0]!r}; it takes seed and, with these defaults, "
             f"{listed}"
         )
     return _generator(name)(**parameters, seed=0 if seed is None else seed)
+
+
+def default_parameters(name: str) -> tuple[tuple[str, float], ...]:
+    """Return the parameters of a world, without building it.
+
+    Parameters
+    ----------
+    name : str
+        One of `names`.
+
+    Returns
+    -------
+    tuple of (str, float)
+        Names and defaults of a generator's parameters besides the seed; empty for maps.
+
+    Examples
+    --------
+    >>> default_parameters("dungeon")
+    (('size_m', 40.0), ('difficulty', 0.5), ('passage_m', 1.4))
+    """
+    if name not in _GENERATORS:
+        return ()
+    signature = inspect.signature(_generator(name))
+    return tuple(
+        (parameter.name, parameter.default)
+        for parameter in signature.parameters.values()
+        if parameter.name != "seed"
+    )
 
 
 @cache
@@ -175,6 +203,17 @@ def catalog() -> tuple[CatalogEntry, ...]:
     return tuple(_entry(name) for name in names())
 
 
+def as_text(value: float) -> str:
+    """Return the value of a parameter as it is written in TOML and on the command line.
+
+    Examples
+    --------
+    >>> as_text(34.0), as_text(True)
+    ('34', 'true')
+    """
+    return str(value).lower() if isinstance(value, bool) else f"{value:g}"
+
+
 def _entry(name: str) -> CatalogEntry:
     world = environment(name)
     x0, y0, x1, y1 = world.bounds
@@ -183,7 +222,7 @@ def _entry(name: str) -> CatalogEntry:
         name=name,
         kind="generator" if generated else "map",
         summary=summaries()[name],
-        parameters=_parameters(name) if generated else (),
+        parameters=default_parameters(name),
         width_m=x1 - x0,
         height_m=y1 - y0,
         area_m2=world.area_m2,
@@ -196,15 +235,6 @@ def _generator(name: str) -> Callable[..., "Environment"]:
         import_module(f"multisrt.environments.generators.{module}"), function
     )
     return found
-
-
-def _parameters(name: str) -> tuple[tuple[str, float], ...]:
-    signature = inspect.signature(_generator(name))
-    return tuple(
-        (parameter.name, parameter.default)
-        for parameter in signature.parameters.values()
-        if parameter.name != "seed"
-    )
 
 
 def _read(name: str) -> "Environment":

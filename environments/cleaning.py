@@ -64,7 +64,7 @@ class Cleaning:
     removed_vertices : int
         Number of vertices that were removed as repeated or superfluous.
     removed_starts : int
-        Number of suggested starts that were no longer in free space.
+        Number of suggested starts that are not in free space.
     displacement_m : float
         Largest distance in metres from a removed vertex to the boundary without it.
     straightened_m : float
@@ -142,7 +142,7 @@ class Cleaning:
             ),
             (
                 self.removed_starts,
-                f"{_counted(self.removed_starts, 'suggested start')} removed as no longer free",
+                f"{_counted(self.removed_starts, 'suggested start')} removed as not in free space",
             ),
         )
         return "; ".join(text for happened, text in said if happened)

@@ -313,9 +313,14 @@ class Environment:
         for part in self.components:
             if shapely.contains_xy(part, x, y):
                 return part
+        away = float(self._free.distance(Point(x, y)))
         raise ClearanceError(
-            f"({x:g}, {y:g}) is not in the free space of {self._name!r}: "
-            "it is inside an obstacle or outside the outline (clearance 0 m)",
+            f"({x:g}, {y:g}) is not in the free space of {self._name!r}: it is "
+            + (
+                f"in an obstacle or outside the outline, {away:.3g} m from free space"
+                if away
+                else "on its border"
+            ),
             0.0,
         )
 

@@ -29,7 +29,7 @@ from multisrt.experiments.user_source import require_files
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.reporting.shown import Drawings, ShownTable, shown
 from multisrt.spec import RadioSpec
-from multisrt.spec.keywords import refuse_unknown
+from multisrt.spec.keywords import OF_MAP_FILES, refuse_unknown
 
 if TYPE_CHECKING:
     import pandas
@@ -47,6 +47,7 @@ INSTEAD = {
     "beams": "range_finder=ms.RangeFinderSpec(beams=NUMBER)",
     "radio_range_m": "radios=METRES",
     "options": "multisrt.experiments.spec.StrategyChoice(name=NAME, options={...}) as strategy",
+    **OF_MAP_FILES,
 }
 """Keywords of `multisrt.explore` that `compare` takes in another form."""
 

@@ -30,7 +30,10 @@ from multisrt.spec import (
     Scalar,
     StopRule,
 )
-from multisrt.spec.keywords import checked, refuse_unknown, require_use, start_of
+from multisrt.spec.keywords import OF_MAP_FILES, checked, refuse_unknown, require_use, start_of
+
+INSTEAD = {"stop": "max_time_s=SECONDS"} | OF_MAP_FILES
+"""Arguments of other functions that `explore` takes in another form."""
 
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
@@ -106,8 +109,9 @@ def explore(
     Parameters
     ----------
     environment : Environment, str, Path or RunSpec
-        The environment, its name in the catalogue, or a map file; or the spec of the run, with
-        which only `recording_path`, `watch` and `progress` may be given.
+        The environment, its name in the catalogue, or a map file (an image, whose pixels have no
+        size in metres, by way of `read_environment`); or the spec of the run, with which only
+        `recording_path`, `watch` and `progress` may be given.
     strategy : str, Strategy, class or function, optional
         Name of a registered strategy, see `strategies`; or a user-defined one, as `Strategy.of`
         accepts it or by reference (``"mine.py:Mine"``); it is registered, and replaces a strategy
@@ -185,7 +189,7 @@ def explore(
     True
     """
     known = inspect.signature(explore).parameters
-    refuse_unknown("explore", keywords, known, {"stop": "max_time_s=SECONDS"})
+    refuse_unknown("explore", keywords, known, INSTEAD)
     spec, world = spec_and_world(environment, keywords)
     with Progress(quiet=not progress) as live:
         watch = live.watcher(spec, world, watch)

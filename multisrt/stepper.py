@@ -23,7 +23,7 @@ from multisrt.finished_run import Run
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.recording import Recording, atomic_write
 from multisrt.robots.explorer import Action, Explorer, Note
-from multisrt.run import RunKeywords, spec_and_world, with_run_keywords
+from multisrt.run import INSTEAD, RunKeywords, spec_and_world, with_run_keywords
 from multisrt.simulation.journal import Watcher
 from multisrt.simulation.stepping import RobotState, Step, Stepping
 from multisrt.spec import RunSpec
@@ -92,7 +92,7 @@ class Stepper(Iterator[Step]):
         watch: Watcher | None = None,
         **keywords: Unpack[RunKeywords],
     ) -> None:
-        refuse_unknown("Stepper", keywords, inspect.signature(Stepper).parameters)
+        refuse_unknown("Stepper", keywords, inspect.signature(Stepper).parameters, INSTEAD)
         spec, self.environment = spec_and_world(environment, keywords)
         self._stepping = Stepping(spec, self.environment, watch=watch)
         self.steps: list[Step] = []

@@ -128,8 +128,9 @@ def read_environment(
         Name of the world; by default that of the file without its suffix, or the ``id`` of a
         HouseExpo plan.
     repair : bool, optional
-        Whether rings that are open or cross are repaired instead of refused, in formats of
-        polygons. `Environment.cleaning` records the changes.
+        Whether rings that are open or cross are repaired, and suggested starts that are not in free
+        space left out, instead of refused, in formats of polygons. `Environment.cleaning` records
+        the changes.
 
     Returns
     -------

@@ -4,15 +4,15 @@ import json
 import math
 from collections.abc import Sequence
 from contextlib import suppress
-from pathlib import Path
-from typing import Any
+from pathlib import Path, PurePosixPath
+from typing import Any, NamedTuple
 
 import numpy as np
 import shapely
-from shapely import MultiPolygon
+from shapely import MultiPolygon, Point
 from shapely.geometry.base import BaseGeometry
 
-from multisrt.environments.cleaning import Cleaning
+from multisrt.environments.cleaning import FIXING, Cleaning
 from multisrt.environments.environment import SLIVER_WIDTH_M, Environment
 from multisrt.environments.formats.bitmap import (
     Resolution,
@@ -31,6 +31,9 @@ MAX_CELLS = 64_000_000
 
 MAX_STARTS = 1000
 """Upper bound of the suggested starts that are read from a file."""
+
+RESOLUTION_OPTION = "--resolution, in Python ms.read_environment(file, resolution_m=...)"
+"""How users give the metres per pixel, cell or unit of a drawing, for messages."""
 
 
 def require_file(path: Path) -> int:
@@ -140,9 +143,55 @@ def named_file(folder: Path, name: str, place: str) -> Path:
     if not inside:
         raise MapFormatError(
             f"{place} names the file {shown(name)}, which is not in the folder of the map; "
-            "copy it into that folder and correct the name"
+            f"{_file_beside(folder, name) or 'copy it into that folder and correct the name'}"
         )
     return found
+
+
+def no_such_file(folder: Path, name: str, what: str) -> MapFormatError:
+    """Return the error that a file that a map file names does not exist.
+
+    Parameters
+    ----------
+    folder : Path
+        Folder of the map.
+    name : str
+        The name, as written in the map file.
+    what : str
+        The map file and the place in it, and what it names there, for the message, such as
+        ``"hall.yaml names the image"``.
+
+    Returns
+    -------
+    MapFormatError
+        It says if there is a file of that name beside the map, without the folders in the name.
+
+    Examples
+    --------
+    >>> Path("cave.png").touch()
+    >>> print(no_such_file(Path(), "bitmaps/cave.png", "cave.world, line 1 names the bitmap"))
+    cave.world, line 1 names the bitmap bitmaps/cave.png, which is not in the folder of the map; \
+cave.png is beside the map: write "cave.png", or move it to bitmaps
+    """
+    where = "the folder of the map" if folder == Path() else folder
+    remedy = _file_beside(folder, name) or "copy it there or correct the name"
+    return MapFormatError(f"{what} {name[:200]}, which is not in {where}; {remedy}")
+
+
+def _file_beside(folder: Path, name: str) -> str:
+    """Return that there is a file of a name, without its folders, beside the map; else ""."""
+    path = PurePosixPath(name)
+    if len(path.parts) < 2:
+        return ""
+    try:
+        beside = folder / path.name
+        if not (beside.is_file() and beside.resolve().parent == folder.resolve()):
+            return ""
+    except (OSError, ValueError, RuntimeError):
+        return ""
+    is_below = not path.is_absolute() and ".." not in path.parts
+    moved = f", or move it to {path.parent}" if is_below else ""
+    return f'{path.name} is beside the map: write "{path.name}"{moved}'
 
 
 def require_resolution(
@@ -173,7 +222,7 @@ def require_resolution(
     if resolution_m is None:
         raise MapFormatError(
             f"{path} does not say how large a {unit} is; "
-            f"give the metres per {unit} with --resolution (resolution_m)"
+            f"give the metres per {unit} with {RESOLUTION_OPTION}"
         )
     resolution_m = require_number(path, "resolution", resolution_m)
     if not (math.isfinite(resolution_m) and resolution_m >= least_m):
@@ -272,13 +321,32 @@ def straightened(free: BaseGeometry, resolution_m: Resolution) -> Cleaning:
     return Cleaning(straightened_m=displacement_bound_m(resolution_m))
 
 
+class FileStarts(NamedTuple):
+    """The suggested starts of a file.
+
+    Attributes
+    ----------
+    points : sequence of (x, y)
+        The starts, in metres.
+    places : sequence of str
+        For each the file and the place in it, for messages; if empty, the file.
+    repair : bool or None
+        Whether starts outside free space are left out instead of refused; None if the reader
+        repairs nothing.
+    """
+
+    points: Sequence[tuple[float, float]] = ()
+    places: Sequence[str] = ()
+    repair: bool | None = None
+
+
 def build_environment(
     path: Path,
     free: BaseGeometry,
     *,
     name: str | None,
     origin: str,
-    starts: Sequence[tuple[float, float]] = (),
+    starts: FileStarts = FileStarts(),
     cleaning: Cleaning | None = None,
     layers: Layers | None = None,
 ) -> Environment:
@@ -288,25 +356,46 @@ def build_environment(
     ----------
     path : Path
         The file, for the name and for messages.
-    free, name, origin, starts, cleaning, layers
+    free, name, origin, cleaning, layers
         As for `Environment`.
+    starts : FileStarts, optional
+        The suggested starts.
 
     Raises
     ------
     MapFormatError
-        If the free space is not valid.
+        If the free space is not valid, or a start is not in it.
     """
+    name = path.stem if name is None else name
+    origin = escaped(origin)  # may hold names from the file
     try:
         return Environment(
-            path.stem if name is None else name,
-            free,
-            starts=starts,
-            origin=escaped(origin),  # may hold names from the file
-            cleaning=cleaning,
-            layers=layers,
+            name, free, starts=starts.points, origin=origin, cleaning=cleaning, layers=layers
         )
     except InvalidInputError as error:
-        raise MapFormatError(f"{path}: {error}") from error
+        if not starts.points:
+            raise MapFormatError(f"{path}: {error}") from error
+    world = build_environment(
+        path, free, name=name, origin=origin, cleaning=cleaning, layers=layers
+    )
+    inside = [world.contains(*start) for start in starts.points]
+    if not starts.repair:
+        first = inside.index(False)
+        place = starts.places[first] if starts.places else path
+        x, y = starts.points[first]
+        raise MapFormatError(
+            f"{place}: the suggested start ({x:g}, {y:g}) is not in free space, but "
+            f"{world.free.distance(Point(x, y)):.3g} m away from it; move it or remove it"
+            + ("" if starts.repair is None else f"; {FIXING} without it")
+        )
+    return Environment(
+        name,
+        world.free,
+        starts=[start for start, is_inside in zip(starts.points, inside, strict=True) if is_inside],
+        origin=origin,
+        cleaning=world.cleaning + Cleaning(removed_starts=inside.count(False)),
+        layers=layers,
+    )
 
 
 def shown(value: object) -> str:

@@ -14,6 +14,7 @@ from shapely.geometry.base import BaseGeometry
 from multisrt.environments.cleaning import FIXING, Cleaning, closed_ring, repaired, united
 from multisrt.environments.environment import MAX_COORDINATE_M, Environment
 from multisrt.environments.formats.files import (
+    FileStarts,
     build_environment,
     read_json,
     refuse_resolution,
@@ -64,15 +65,16 @@ def read_geojson(
     name : str, optional
         By default the file's name without suffix.
     repair : bool, optional
-        Whether rings that are open or cross are repaired instead of refused.
+        Whether rings that are open or cross are repaired, and starts that are not in free space
+        left out, instead of refused.
 
     Raises
     ------
     MapFormatError
         If the file is not GeoJSON, or has another geometry or kind, a ring that is open, too
         short or crosses itself, a coordinate that is not finite, coordinates in degrees, or no
-        free space.
-        The message gives feature, ring and position, counted from 1.
+        free space, or a start is not in free space. The message gives feature, ring and position,
+        counted from 1.
     """
     refuse_resolution(path, resolution_m)
     refuse_threshold(path, threshold)
@@ -103,7 +105,11 @@ def read_geojson(
         free,
         name=name,
         origin=path.name,
-        starts=world.starts,
+        starts=FileStarts(
+            [start for _, start in world.starts],
+            places=[place.text for place, _ in world.starts],
+            repair=repair,
+        ),
         cleaning=world.cleaning + overlaps,
     )
 
@@ -127,7 +133,7 @@ class _World:
     polygons: list[tuple["_Place", Polygon, str]] = field(default_factory=list)
     free: list[BaseGeometry] = field(default_factory=list)
     obstacles: list[BaseGeometry] = field(default_factory=list)
-    starts: list[tuple[float, float]] = field(default_factory=list)
+    starts: list[tuple["_Place", tuple[float, float]]] = field(default_factory=list)
     cleaning: Cleaning = field(default_factory=Cleaning)
 
 
@@ -164,10 +170,11 @@ def _add(world: _World, place: _Place, item: object, kind: str) -> None:
             for number, rings in enumerate(_list(place, item, "coordinates"), start=1):
                 _add_polygon(world, place.at("polygon", number), rings, kind)
         case "Point" if kind == "start":
-            world.starts.append(_position(place, item.get("coordinates")))
+            world.starts.append((place, _position(place, item.get("coordinates"))))
         case "MultiPoint" if kind == "start":
             for number, position in enumerate(_list(place, item, "coordinates"), start=1):
-                world.starts.append(_position(place.at("position", number), position))
+                there = place.at("position", number)
+                world.starts.append((there, _position(there, position)))
         case other:
             raise place.error(
                 f"a geometry of type {shown(other)} cannot be {kind}",

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from multisrt.environments.environment import Environment
 from multisrt.environments.formats.files import (
     MAX_CELLS,
+    FileStarts,
     build_environment,
     grid_polygons,
     require_file,
@@ -91,7 +92,7 @@ def read_image(
         polygons,
         name=name,
         origin=f"{path.name} at {resolution_m:g} m per pixel, free above lightness {threshold:.3g}",
-        starts=marked_starts(levels, free, resolution_m),
+        starts=FileStarts(marked_starts(levels, free, resolution_m)),
         cleaning=straightened(polygons, resolution_m),
     )
 

@@ -71,7 +71,8 @@ class MapFormat:
     read : Reader
         Its reader.
     repair : Reader or None
-        Reader that also repairs rings that are open or cross; None if the format has no rings.
+        Reader that also repairs rings that are open or cross, and leaves out starts that are not in
+        free space; None if it repairs nothing.
     """
 
     name: str

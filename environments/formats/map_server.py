@@ -12,6 +12,7 @@ from multisrt.environments.formats.files import (
     build_environment,
     grid_polygons,
     named_file,
+    no_such_file,
     read_text,
     refuse_resolution,
     refuse_threshold,
@@ -170,10 +171,7 @@ def _image_path(path: Path, entries: dict[object, object]) -> Path:
     except OSError as error:
         raise MapFormatError(f"{path}: the image {shown(image)} cannot be opened") from error
     if not exists:
-        raise MapFormatError(
-            f"{path} names the image {image[:200]}, which is not in {found.parent}; "
-            "copy it there or correct the name"
-        )
+        raise no_such_file(path.parent, image, f"{path} names the image")
     return found
 
 

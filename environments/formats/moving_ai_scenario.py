@@ -9,9 +9,11 @@ from multisrt.environments.environment import Environment
 from multisrt.environments.formats.files import (
     MAX_CELLS,
     MAX_STARTS,
+    FileStarts,
     build_environment,
     grid_polygons,
     named_file,
+    no_such_file,
     read_text,
     refuse_threshold,
     require_resolution,
@@ -90,10 +92,12 @@ def read_moving_ai_scenario(
         polygons,
         name=name,
         origin=f"{path.name} with {map_path.name} at {resolution_m:g} m per cell",
-        starts=[
-            ((column + 0.5) * resolution_m, (height - row - 0.5) * resolution_m)
-            for column, row in list(starts)[:MAX_STARTS]
-        ],
+        starts=FileStarts(
+            [
+                ((column + 0.5) * resolution_m, (height - row - 0.5) * resolution_m)
+                for column, row in list(starts)[:MAX_STARTS]
+            ]
+        ),
         cleaning=straightened(polygons, resolution_m),
     )
 
@@ -152,10 +156,7 @@ def _map_path(path: Path, problem: _Problem) -> Path:
         found = named_file(path.parent, name, problem.place)
         if found.is_file():
             return found
-    raise MapFormatError(
-        f"{problem.place} names the map {problem.map}, which is not in {path.parent}; "
-        "copy it there or correct the name"
-    )
+    raise no_such_file(path.parent, problem.map, f"{problem.place} names the map")
 
 
 def _start(cells: BoolArray, problem: _Problem, map_path: Path) -> tuple[int, int]:

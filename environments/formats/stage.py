@@ -18,9 +18,11 @@ from multisrt.environments.formats.bitmap import MAX_CORNERS
 from multisrt.environments.formats.files import (
     MAX_CELLS,
     MAX_STARTS,
+    FileStarts,
     build_environment,
     grid_polygons,
     named_file,
+    no_such_file,
     refuse_resolution,
     refuse_threshold,
     straightened,
@@ -59,6 +61,17 @@ OTHER_TYPES: Final = frozenset(
 )
 """Types that are neither obstacles nor robots: settings, parts of models and sensors."""
 
+OF_ROBOTS: Final = frozenset(
+    (
+        *("ctrl", "drive", "velocity", "localization", "localization_origin", "odom_error"),
+        *("wheelbase", "velocity_bounds", "acceleration_bounds"),
+    )
+)
+"""Properties that only robots have: a controller, and those of the type ``position``."""
+
+MAX_TYPES_TOLD: Final = 5
+"""Upper bound of the types that are not known and told in the origin of a world."""
+
 UNITS_OF_LENGTH: Final = {"m": 1.0, "cm": 0.01, "mm": 0.001}
 UNITS_OF_ANGLE: Final = {"degrees": math.pi / 180, "radians": 1.0}
 
@@ -85,8 +98,10 @@ def read_stage(
       robot outside it reaches.
     - Models of the type ``position`` are robots. So are models without a bitmap but with a pose
       whose type is not known, because robots are usually defined in files that come with Stage
-      and are stored elsewhere. Their positions are the suggested starts, in the order of the
-      file, if they are in free space; their headings are not used.
+      and are stored elsewhere, if a model of that type has a controller (``ctrl``), a sensor or
+      another model on it, or a property of positions such as ``localization``. If this leaves no
+      robot at all, every type that is not known is one of robots. Their positions are the suggested
+      starts, in the order of the file, if they are in free space; their headings are not used.
 
     A missing include is no error if there is a floorplan without it, since worlds are often passed
     on without the definitions of their robots. `Environment.origin` names it.
@@ -144,17 +159,19 @@ def read_stage(
         )
     free = world.free()
     shapely.prepare(free)
-    inside = [place for place in world.robots if shapely.contains_xy(free, *place)]
+    robots, others = world.robots()
+    inside = [place for place in robots if shapely.contains_xy(free, *place)]
     told = [f"{path.name} with {', '.join(world.bitmaps)}"]
     told += [f"{missing} is missing" for missing in parsed.missing]
-    if len(inside) < len(world.robots):
-        told.append(f"{len(inside)} of {len(world.robots)} robots are in free space")
+    told += [f"{kind} is not defined, and is no robot" for kind in others]
+    if len(inside) < len(robots):
+        told.append(f"{len(inside)} of {len(robots)} robots are in free space")
     return build_environment(
         path,
         free,
         name=name,
         origin="; ".join(told),
-        starts=list(dict.fromkeys(inside))[:MAX_STARTS],
+        starts=FileStarts(list(dict.fromkeys(inside))[:MAX_STARTS]),
         cleaning=Cleaning(straightened_m=world.straightened_m),
     )
 
@@ -276,13 +293,14 @@ class _Floorplan:
 
 @dataclass(slots=True)
 class _World:
-    """Content of a world read so far: floorplans, other obstacles and robots."""
+    """Content of a world read so far: floorplans, other obstacles, and what may be robots."""
 
     path: Path
     units: _Units
     floorplans: list[_Floorplan] = field(default_factory=list)
     obstacles: list[BaseGeometry] = field(default_factory=list)
-    robots: list[tuple[float, float]] = field(default_factory=list)
+    movable: list[tuple[str, tuple[float, float]]] = field(default_factory=list)
+    robot_types: set[str] = field(default_factory=set)
     bitmaps: dict[str, _Bitmap] = field(default_factory=dict)
     pixels: int = 0
     straightened_m: float = 0.0
@@ -295,12 +313,24 @@ class _World:
                 continue
             pose = frame @ self.units.pose(entity, "pose")
             if entity.kind == "position":
-                self.robots.append((pose.x, pose.y))
+                self._add_movable(entity, pose)
             elif entity.kind == "model" or "bitmap" in entity.properties:
                 self._add_model(entity, pose)
                 self.add_children(entity, pose)
             elif "pose" in entity.properties:
-                self.robots.append((pose.x, pose.y))
+                self._add_movable(entity, pose)
+
+    def robots(self) -> tuple[list[tuple[float, float]], list[str]]:
+        """Return the places of robots, and the types that are not known and not of robots."""
+        types = self.robot_types or {kind for kind, _ in self.movable}
+        others = dict.fromkeys(kind for kind, _ in self.movable if kind not in types)
+        return [place for kind, place in self.movable if kind in types], [*others][:MAX_TYPES_TOLD]
+
+    def _add_movable(self, entity: Entity, pose: _Pose) -> None:
+        self.movable.append((entity.kind, (pose.x, pose.y)))
+        equipped = any(child.kind != "block" for child in entity.children)
+        if entity.kind == "position" or equipped or OF_ROBOTS & entity.properties.keys():
+            self.robot_types.add(entity.kind)
 
     def free(self) -> BaseGeometry:
         """Return free space."""
@@ -366,10 +396,7 @@ class _World:
     def _read(self, file: str, place: str) -> _Bitmap:
         image = named_file(self.path.parent, file, place)
         if not image.exists():
-            raise MapFormatError(
-                f"{place} names the bitmap {file}, which is not in {self.path.parent}; "
-                "copy it there or correct the name"
-            )
+            raise no_such_file(self.path.parent, file, f"{place} names the bitmap")
         pixels = read_pixels(image)
         self.pixels += pixels.channels.shape[0] * pixels.channels.shape[1]
         if self.pixels > MAX_CELLS:
@@ -433,12 +460,32 @@ def _block(block: Entity, unit: float) -> Polygon:
     return polygon
 
 
+_WORD: Final = r"[A-Za-z][\w.-]*(?:\[\d+\])?"
+_ITEM: Final = re.compile(
+    rf"""\s*(?: \) | define\s+{_WORD}\s+{_WORD}\s*\( | {_WORD}\s*\( | {_WORD}\s*"[^"\r\n]*"
+    | {_WORD}\s*\[[^\[\]()]*\] | {_WORD}\s+[+-]?\.?\d[\w.+-]* )""",
+    re.VERBOSE | re.ASCII,
+)
+"""A property with its value, the beginning of a model, or the end of one."""
+
+_OF_WORLDS: Final = re.compile(
+    r'\bbitmap\s+"|^\s*include\s+"|^\s*define\s+[\w.-]+\s+[\w.-]+\s*\(', re.MULTILINE
+)
+
+ITEMS_TRIED: Final = 8
+"""Number of items at the beginning of a file that must have the syntax of Stage."""
+
+
 def _is_stage(beginning: Beginning) -> bool:
     text = re.sub(r"#[^\r\n]*", "", beginning.text)
-    pattern = r'\bbitmap\s+"|^\s*include\s+"|^\s*define\s+[\w.-]+\s+[\w.-]+\s*\('
-    return not text.lstrip().startswith(("{", "<")) and (
-        re.search(pattern, text, re.MULTILINE) is not None
-    )
+    at = 0
+    for _ in range(ITEMS_TRIED):
+        if (item := _ITEM.match(text, at)) is None:
+            break
+        at = item.end()
+    else:
+        return _OF_WORLDS.search(text) is not None
+    return not text[at:].strip() and _OF_WORLDS.search(text) is not None
 
 
 STAGE = MapFormat(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -33,6 +34,9 @@ MIN_BEYOND_M2: Final = 1.0
 
 MIN_BEYOND_SHARE: Final = 0.01
 """The same as a share of the main part, if that is less."""
+
+MAX_STARTS_LISTED: Final = 3
+"""Number of suggested starts with the same problem that are listed; the others are counted."""
 
 ARC_ERROR_M: Final = 1e-4
 """Maximum distance between arcs and the chords that replace them, in metres."""
@@ -162,19 +166,35 @@ class MapCheck:
         )
 
     def _problems_of_starts(self) -> list[str]:
-        found = []
         radius = self.footprint.inscribed_radius_m - ROUNDING_M
+        apart, narrow = [], []
         for (x, y), number in zip(self.environment.starts, self.start_parts, strict=True):
             if number != self.start_parts[0]:
-                found.append(
-                    f"the suggested start ({x:g}, {y:g}) is in another part than the first"
-                )
+                apart.append((x, y))
             elif (clearance := self.environment.clearance(x, y)) < radius:
-                found.append(
-                    f"at the suggested start ({x:g}, {y:g}) the body {self.footprint} does not "
-                    f"fit: the nearest wall is at {clearance:.3g} m"
-                )
+                narrow.append((clearance, x, y))
+        found = []
+        if apart:
+            verb = "is" if len(apart) == 1 else "are"
+            found.append(f"the {_starts(apart)} {verb} in another part than the first")
+        if narrow:
+            walls = "the nearest wall is" if len(narrow) == 1 else "the nearest walls are"
+            nearest, farthest = (f"{of(narrow)[0]:.3g}" for of in (min, max))
+            distances = nearest if nearest == farthest else f"{nearest} to {farthest}"
+            found.append(
+                f"at the {_starts([place for _, *place in narrow])} the body {self.footprint} does "
+                f"not fit: {walls} at {distances} m"
+            )
         return found
+
+
+def _starts(places: Sequence[Sequence[float]]) -> str:
+    """Return suggested starts as words, of many the first ones."""
+    texts = [f"({x:g}, {y:g})" for x, y in places[:MAX_STARTS_LISTED]]
+    if more := len(places) - len(texts):
+        texts.append(f"{more} more")
+    listed = texts[0] if len(texts) == 1 else f"{', '.join(texts[:-1])} and {texts[-1]}"
+    return f"suggested start{'s' * (len(places) > 1)} {listed}"
 
 
 def check_map(environment: Environment, footprint: Footprint, *, share: float = SHARE) -> MapCheck:

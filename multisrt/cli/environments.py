@@ -12,8 +12,9 @@ from multisrt.cli import candidates
 from multisrt.cli.mistakes import CommandGroup, is_world
 from multisrt.cli.output_options import force_option, quiet_option
 from multisrt.cli.outputs import require_no_file, require_place, require_svg, stem_of
-from multisrt.cli.own_map import starts_from_option
+from multisrt.cli.own_map import world_options
 from multisrt.cli.reach import areas, around
+from multisrt.cli.run_options import world_of_options
 from multisrt.cli.tables import show as show_table
 from multisrt.cli.tables import table
 
@@ -25,6 +26,9 @@ PROBLEM = 1
 
 SPECK_M = 0.01
 """Default size of the specks that --fix drops, in metres."""
+
+FIXED = (".yaml", ".geojson", ".wkt", ".svg", ".dxf")
+"""Suffixes of maps that are written and read; a test compares them with those of the formats."""
 
 CHECK_EXAMPLES = """
 \b
@@ -87,19 +91,15 @@ def environments(context: click.Context) -> None:
     help="File for the picture (.svg).  [default: ENV.svg]",
 )
 @force_option()
-@click.option("--resolution", type=float, help="Metres per pixel of an image without its own.")
-@click.option("--threshold", type=float, help="Lightness from 0 to 1 above which a pixel is free.")
-@starts_from_option()
+@world_options
 @quiet_option()
 def show(
     environment: str,
     *,
     out: Path | None,
     force: bool,
-    resolution: float | None,
-    threshold: float | None,
-    starts_from: str | None,
     quiet: bool,
+    **given: Any,
 ) -> None:
     """Draw an environment as SVG.
 
@@ -109,14 +109,13 @@ def show(
     \b
     Examples:
       multisrt environments show hospital --out hospital.svg
+      multisrt environments show dungeon --set difficulty=0.8 --set seed=3
       multisrt environments show plan.png --resolution 0.05
     """
     from multisrt.drawing import save_environment_svg
-    from multisrt.simulation.worlds import build_environment, environment_spec
+    from multisrt.simulation.worlds import build_environment
 
-    where = environment_spec(
-        environment, resolution_m=resolution, threshold=threshold, starts_from=starts_from
-    )
+    where = world_of_options(environment, given)
     if out is None:
         out = Path(f"{stem_of(environment)}.svg")
     require_svg(out)
@@ -152,8 +151,7 @@ def show(
     metavar="M",
     help="Height of walls in .stl and .glb (m).  [default: 1]",
 )
-@click.option("--resolution", type=float, help="Metres per pixel of an image without its own.")
-@click.option("--threshold", type=float, help="Lightness from 0 to 1 above which a pixel is free.")
+@world_options
 @quiet_option()
 def export(
     environment: str,
@@ -162,13 +160,13 @@ def export(
     force: bool,
     cell_m: float | None,
     height_m: float | None,
-    resolution: float | None,
-    threshold: float | None,
     quiet: bool,
+    **given: Any,
 ) -> None:
     """Write an environment as a map file.
 
-    ENV is a name that 'multisrt environments' lists, or a map file as for 'multisrt explore'.
+    ENV is a name that 'multisrt environments' lists, a world of a suite (indoor-30/07), or a map
+    file as for 'multisrt explore'.
 
     \b
     Formats, by the suffix of --out:
@@ -190,17 +188,17 @@ def export(
     from multisrt.exporting import MapOptions, save_environment
     from multisrt.exporting.worlds import map_files, map_writer
     from multisrt.geometry.errors import InvalidInputError
-    from multisrt.simulation.worlds import build_environment, environment_spec
+    from multisrt.simulation.worlds import build_environment
     from multisrt.terminal import LiveLine
 
     sizes = {"cell_m": cell_m, "height_m": height_m}
-    given: dict[str, Any] = {name: m for name, m in sizes.items() if m is not None}
-    for name in given:
+    chosen: dict[str, Any] = {name: m for name, m in sizes.items() if m is not None}
+    for name in chosen:
         if name not in map_writer(out).options:
             option = "--cell" if name == "cell_m" else "--height"
             raise InvalidInputError(f"{option} has no meaning for {out.suffix.lower()}")
-    options = MapOptions(**given)
-    where = environment_spec(environment, resolution_m=resolution, threshold=threshold)
+    options = MapOptions(**chosen)
+    where = world_of_options(environment, given)
     files = map_files(out)
     for file in files:
         require_place(file, force=force)
@@ -214,8 +212,6 @@ def export(
 
 
 def _describe(world: Environment, name: str) -> None:
-    from multisrt.environments.catalog import catalog
-
     x0, y0, x1, y1 = world.bounds
     click.echo(
         f"{world.name}: {x1 - x0:.4g} x {y1 - y0:.4g} m, {world.area_m2:.4g} m2 free, "
@@ -227,10 +223,21 @@ def _describe(world: Environment, name: str) -> None:
         click.echo(world.layers)
     if said := around(world):
         click.echo(said)
-    for entry in catalog():
-        if entry.name == name and entry.parameters:
-            values = ", ".join(f"{name}={value}" for name, value in entry.parameters)
-            click.echo(f"parameters: {values}")
+    if parameters := _parameters(name):
+        click.echo(parameters)
+
+
+def _parameters(name: str) -> str:
+    """Return the parameters of a generator, and how they are set; empty for other worlds."""
+    from multisrt.environments.catalog import as_text, default_parameters
+    from multisrt.environments.generators.difficulty import KNOB, RANGES
+
+    defaults = (*default_parameters(name), ("seed", 0))
+    if len(defaults) == 1:
+        return ""
+    values = ", ".join(f"{parameter}={as_text(value)}" for parameter, value in defaults)
+    besides = f"; also {KNOB}, from 0 to 1" if name in RANGES else ""
+    return f"parameters: {values} by default, set by --set NAME=VALUE{besides}"
 
 
 @environments.command(epilog=CHECK_EXAMPLES)
@@ -256,7 +263,7 @@ def _describe(world: Environment, name: str) -> None:
     type=click.Path(path_type=Path),
     metavar="OUT",
     help="Repair rings, drop specks and superfluous vertices, and write a clean copy "
-    "(.geojson or .wkt), which is then checked.",
+    f"({', '.join(FIXED[:-1])} or {FIXED[-1]}), which is then checked.",
 )
 @click.option(
     "--specks",
@@ -278,8 +285,7 @@ def _describe(world: Environment, name: str) -> None:
     "lines only]",
 )
 @force_option("FILE and OUT")
-@click.option("--resolution", type=float, help="Metres per pixel of an image without its own.")
-@click.option("--threshold", type=float, help="Lightness from 0 to 1 above which a pixel is free.")
+@world_options
 @quiet_option("problems and errors")
 def check(
     environment: str,
@@ -303,9 +309,13 @@ def check(
     from multisrt.cli.map_report import report
     from multisrt.drawing import save_map_check_svg
     from multisrt.exporting import save_environment
+    from multisrt.exporting.worlds import READABLE_SUFFIXES
+    from multisrt.exporting.written import require_suffix
     from multisrt.geometry.bodies.footprint import Footprint
 
     body = Footprint.parse(footprint)
+    if fix is not None:
+        require_suffix(fix, READABLE_SUFFIXES, "repaired copies")
     if fix is None and (names := [name for name in ("specks", "close", "simplify") if given[name]]):
         raise click.UsageError(f"--{names[0]} requires --fix OUT")
     if out is not None:
@@ -332,13 +342,18 @@ def check(
 
 def _read(name: str, given: dict[str, Any], *, repair: bool) -> Environment:
     from multisrt.environments.formats import read_environment
-    from multisrt.simulation.worlds import build_environment, environment_spec
+    from multisrt.simulation.worlds import build_environment
     from multisrt.spec import FileEnvironment
 
-    options = {"resolution_m": given["resolution"], "threshold": given["threshold"]}
-    where = environment_spec(name, **options)
+    where = world_of_options(name, given)
     if repair and isinstance(where, FileEnvironment):
-        return read_environment(where.path, **options, repair=True)
+        return read_environment(
+            where.path,
+            resolution_m=where.resolution_m,
+            threshold=where.threshold,
+            starts_from=where.starts_from,
+            repair=True,
+        )
     return build_environment(where)
 
 

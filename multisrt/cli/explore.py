@@ -28,7 +28,7 @@ from multisrt.cli.outputs import (
     run_folder,
     stem_of,
 )
-from multisrt.cli.own_map import starts_from_option
+from multisrt.cli.own_map import world_options
 from multisrt.cli.run_options import DRIVES, FAULTS, OVERRIDES, USUAL, spec_of_options
 from multisrt.cli.sections import SectionedCommand
 from multisrt.cli.spec_files import read_run_spec
@@ -54,6 +54,7 @@ SECTIONS = {
     "Team": ("--robots", "--starts", "--start", "--robot", "--fault"),
     "Robots": ("--range", "--beams", "--footprint", "--drive", "--speed", "--turning-radius"),
     "Radio": ("--radio-range", "--no-multi-hop", "--latency", "--jitter", "--loss", "--walls"),
+    "Generators": ("--set",),
     "Image maps": ("--resolution", "--threshold", "--starts-from"),
     "Output": (
         *("--out", "--force", "--view", "--live", "--no-open", "--watch"),
@@ -75,6 +76,7 @@ Examples:
   multisrt explore museum --robots 4 --starts clustered --radio-range 15
   multisrt explore museum --robots 4 --strategy srt-radial --strategy srt-star
   multisrt explore office --robots 4 --strategy minpos --view
+  multisrt explore dungeon --set difficulty=0.8 --set size_m=30 --set seed=3
   multisrt explore museum --robots 4 --live
   multisrt explore museum --robots 4 --watch
   multisrt explore floor.yaml --start 2.5,4 --start 3.5,4 --range 6
@@ -197,9 +199,7 @@ Exit code:
     type=click.Choice(["pass", "block", "weaken"]),
     help="What walls do to the radio's signal.  [default: pass]",
 )
-@click.option("--resolution", type=float, help="Metres per pixel of an image without its own.")
-@click.option("--threshold", type=float, help="Lightness from 0 to 1 above which a pixel is free.")
-@starts_from_option()
+@world_options
 @out_folder("the results", "runs/ENV-STRATEGY-SEED, with a number if it exists")
 @force_option("the run in DIR")
 @without_option("map")

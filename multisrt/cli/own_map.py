@@ -1,4 +1,4 @@
-"""The options of commands that take a map of the user's own."""
+"""The options of commands that take a world, or a map of the user's own."""
 
 from __future__ import annotations
 
@@ -48,6 +48,43 @@ def starts_from_option(when: str = "") -> Callable[[Callable[..., Any]], Callabl
         metavar="FILE",
         help=f"{when}{first} of an image: an MRESim team file.",
     )
+
+
+def world_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add the options --set, --resolution, --threshold and --starts-from to a command with ENV.
+
+    Parameters
+    ----------
+    command : callable
+        The command; `multisrt.cli.run_options.world_of_options` takes what it is given.
+
+    Returns
+    -------
+    callable
+        The command with its options.
+    """
+    options = (
+        click.option(
+            "--set",
+            "parameters",
+            multiple=True,
+            metavar="NAME=VALUE",
+            help="Parameter of a generator, or its seed, as 'multisrt environments show ENV' lists "
+            "them; repeatable.",
+        ),
+        click.option(
+            "--resolution", type=float, help="Metres per pixel of an image without its own."
+        ),
+        click.option(
+            "--threshold",
+            type=float,
+            help="Lightness from 0 to 1 above which a pixel is free.",
+        ),
+        starts_from_option(),
+    )
+    for option in reversed(options):
+        command = option(command)
+    return command
 
 
 def map_options(command: Callable[..., None]) -> Callable[..., None]:

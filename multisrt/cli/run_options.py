@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
@@ -11,7 +12,7 @@ import click
 from multisrt.geometry.errors import InvalidInputError, did_you_mean
 
 if TYPE_CHECKING:
-    from multisrt.spec import Fault, RobotSpec, RunSpec
+    from multisrt.spec import EnvironmentSpec, Fault, RobotSpec, RunSpec
 
 T = TypeVar("T")
 
@@ -68,7 +69,6 @@ def spec_of_options(environment: str, strategy: str | None, given: Mapping[str, 
     click.BadParameter
         If a value cannot be parsed.
     """
-    from multisrt.simulation.worlds import environment_spec
     from multisrt.spec import RadioSpec, RunSpec, StopRule
     from multisrt.spec.keywords import require_use
 
@@ -86,12 +86,7 @@ def spec_of_options(environment: str, strategy: str | None, given: Mapping[str, 
     if strategy is not None:
         fields["strategy"] = strategy
     spec = RunSpec(
-        environment=environment_spec(
-            environment,
-            resolution_m=given["resolution"],
-            threshold=given["threshold"],
-            starts_from=given["starts_from"],
-        ),
+        environment=world_of_options(environment, given),
         options=options_of(given["options"]),
         robots=_team(given),
         radio=_built(RadioSpec, radio, OPTIONS_OF_RADIO),
@@ -105,6 +100,34 @@ def spec_of_options(environment: str, strategy: str | None, given: Mapping[str, 
     return spec
 
 
+def world_of_options(environment: str, given: Mapping[str, Any]) -> EnvironmentSpec:
+    """Return the spec of a world from the options of `multisrt.cli.own_map.world_options`.
+
+    Parameters
+    ----------
+    environment : str
+        Name in the catalogue or of a world of a suite, or a map file.
+    given : mapping
+        Values of the options by parameter name; None where an option was not given.
+
+    Raises
+    ------
+    InvalidInputError
+        If there is no such world, or an option does not apply to it.
+    click.BadParameter
+        If a value cannot be parsed.
+    """
+    from multisrt.simulation.worlds import environment_spec
+
+    return environment_spec(
+        environment,
+        parameters=parameters_of(given["parameters"]),
+        resolution_m=given["resolution"],
+        threshold=given["threshold"],
+        starts_from=given["starts_from"],
+    )
+
+
 def options_of(texts: Iterable[str]) -> dict[str, Any]:
     """Return the values of ``--option KEY=VALUE`` by key.
 
@@ -114,6 +137,32 @@ def options_of(texts: Iterable[str]) -> dict[str, Any]:
         If a text is not KEY=VALUE.
     """
     return dict(_key_and_value(text, "--option") for text in texts)
+
+
+def parameters_of(texts: Iterable[str]) -> dict[str, Any]:
+    """Return the values of ``--set NAME=VALUE`` by name: numbers, or true and false, if they are.
+
+    Raises
+    ------
+    click.BadParameter
+        If a text is not NAME=VALUE.
+
+    Examples
+    --------
+    >>> parameters_of(["cells=20", "loops=0.5", "furnished=false"])
+    {'cells': 20, 'loops': 0.5, 'furnished': False}
+    """
+    return {name: _scalar(text) for name, text in (_key_and_value(text, "--set") for text in texts)}
+
+
+def _scalar(text: str) -> int | float | bool | str:
+    if text in ("true", "false"):
+        return text == "true"
+    for kind in (int, float):
+        with suppress(ValueError):
+            number: int | float = kind(text)
+            return number
+    return text
 
 
 def _built(kind: Callable[..., T], fields: Mapping[str, Any], options: Mapping[str, str]) -> T:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
@@ -31,11 +32,36 @@ def read_run_spec(path: Path) -> RunSpec:
     Raises
     ------
     InvalidInputError
-        If the file cannot be read or holds no spec of a run; the message names the file.
+        If the file cannot be read or holds no spec of a run, or a file that the spec names is
+        missing; the message names both.
     """
-    from multisrt.spec import RunSpec
+    from multisrt.spec import FileEnvironment, RunSpec
 
-    return _read(path, RunSpec.from_toml, RunSpec.from_json)
+    spec = _read(path, RunSpec.from_toml, RunSpec.from_json)
+    if isinstance(spec.environment, FileEnvironment):
+        for field in ("path", "starts_from"):
+            if (name := getattr(spec.environment, field)) is not None:
+                _require_there(path, field, Path(name))
+    return spec
+
+
+def _require_there(spec: Path, field: str, file: Path) -> None:
+    # Relative to the working folder, as when the spec was written; never to another one in silence.
+    if os.path.lexists(file):
+        return
+    if file.is_absolute():
+        raise InvalidInputError(
+            f"{spec} names the file {file}, which does not exist; restore it, or correct {field!r} "
+            "in the spec"
+        )
+    beside = spec.parent / file
+    there = os.path.lexists(beside)
+    places = f"but {beside} does" if there else f"and neither does {beside}"
+    raise InvalidInputError(
+        f"{spec} names the file {file}, relative to the working folder: {Path.cwd() / file} does "
+        f"not exist, {places}; run the command in the folder to which the name is relative, or "
+        f"correct {field!r} in the spec"
+    )
 
 
 def read_experiment(path: Path) -> ExperimentSpec:

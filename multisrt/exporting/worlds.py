@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Final
 
 from multisrt.environments.environment import Environment
+from multisrt.environments.formats import FORMATS
 from multisrt.exporting.drawings import dxf_bytes, svg_bytes
 from multisrt.exporting.known_map import known_content, world_content
 from multisrt.exporting.map_content import MapContent, MapOptions
@@ -82,6 +83,13 @@ MAP_WRITERS: Final = (
 
 MAP_SUFFIXES: Final = {suffix: writer.name for writer in MAP_WRITERS for suffix in writer.suffixes}
 """Names of the formats by suffix."""
+
+READABLE_SUFFIXES: Final = {
+    suffix: name
+    for suffix, name in MAP_SUFFIXES.items()
+    if any(suffix in known.suffixes for known in FORMATS)
+}
+"""Those of them that `multisrt.read_environment` reads, too: all but solids."""
 
 
 def save_environment(

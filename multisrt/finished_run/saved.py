@@ -10,6 +10,7 @@ import msgspec
 from multisrt.extras.notebook import Text
 from multisrt.finished_run.pictured import PicturedRun
 from multisrt.recording import atomic_write
+from multisrt.simulation.worlds import with_digest
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -114,6 +115,8 @@ class Run(PicturedRun):
     def save_spec(self, path: str | Path) -> None:
         """Write the spec as TOML, from which the run can be repeated.
 
+        Of a world from a file it has the digest, so that a file that has changed is noticed.
+
         Parameters
         ----------
         path : str or Path
@@ -134,7 +137,7 @@ class Run(PicturedRun):
         10.0
         """
         with atomic_write(Path(path)) as file:
-            file.write(self.spec.to_toml().encode())
+            file.write(with_digest(self.spec, self.environment.digest).to_toml().encode())
 
     def save_summary(self, path: str | Path) -> None:
         """Write spec, outcome, reason, digest and metrics as JSON.

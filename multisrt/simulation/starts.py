@@ -17,10 +17,11 @@ from multisrt.environments.pieces import enclosing, inside
 from multisrt.geometry.bodies.collision import Body, body_distance
 from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
-from multisrt.geometry.errors import ClearanceError, InvalidInputError
+from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.numerics.kernel import BoolArray, FloatArray
 from multisrt.planners.motion.kinematics import Car
 from multisrt.simulation.random_streams import RandomStreams
+from multisrt.simulation.rooms import body_fits, misfit
 from multisrt.spec import RunSpec
 
 GAP_M = 0.25
@@ -72,8 +73,8 @@ def starts_of(
     Raises
     ------
     ClearanceError
-        If a body does not fit at its start; the message gives the clearance there and the one
-        that the body needs.
+        If a body does not fit at its start; the message gives the distance from free space, or the
+        clearance there and the one that the body needs, and the nearest place where it fits.
     InvalidInputError
         If starts lie in different components, bodies overlap or touch, the team does not fit, or
         the turning circle of a car fits nowhere.
@@ -122,24 +123,8 @@ def drawn_start(
 
 
 def _require_fit(environment: Environment, footprint: Footprint, start: Configuration) -> None:
-    environment.component(start.x, start.y)
-    clearance = environment.clearance(start.x, start.y)
-    if footprint.is_disc:
-        fits = clearance > footprint.radius_m
-        needed = f"more than {footprint.radius_m:g} m"
-    else:
-        fits = bool(shapely.contains_properly(environment.free, footprint.placed(start)))
-        needed = (
-            f"{footprint.inscribed_radius_m:.3g} to {footprint.circumscribed_radius_m:.3g} m, "
-            "by its heading"
-        )
-    if not fits:
-        raise ClearanceError(
-            f"the body {footprint} does not fit at the start ({start.x:g}, {start.y:g}) of "
-            f"{environment.name!r}: the clearance there is {clearance:.6g} m, and it needs "
-            f"{needed}; choose another start or a smaller body",
-            clearance,
-        )
+    if not body_fits(environment, footprint, start):
+        raise misfit(environment, footprint, start)
 
 
 def _common_component(environment: Environment, starts: dict[int, Configuration]) -> Polygon:
@@ -214,16 +199,11 @@ def _alone(streams: RandomStreams, environment: Environment, footprint: Footprin
 
 def _suggested(environment: Environment, footprint: Footprint) -> Configuration:
     # The first suggested start that a body fits at. Map files suggest starts for other bodies.
-    problems = []
-    for place in environment.starts:
-        start = Configuration(*place)
-        try:
-            _require_fit(environment, footprint, start)
-        except ClearanceError as problem:
-            problems.append(problem)
-        else:
+    starts = [Configuration(*place) for place in environment.starts]
+    for start in starts:
+        if body_fits(environment, footprint, start):
             return start
-    raise problems[0]
+    raise misfit(environment, footprint, starts[0])
 
 
 def _take_suggested(
@@ -233,7 +213,7 @@ def _take_suggested(
     starts: dict[int, Configuration],
 ) -> None:
     # In their order, without those at which a body does not fit or that are cut off from the first.
-    left = list(environment.starts)
+    left, given = list(environment.starts), len(starts)
     for number, footprint in enumerate(footprints):
         if number in starts:
             continue
@@ -241,8 +221,9 @@ def _take_suggested(
             start = Configuration(*place)
             if component is not None and not shapely.contains_xy(component, *place):
                 continue
+            if not body_fits(environment, footprint, start):
+                continue
             try:
-                _require_fit(environment, footprint, start)
                 _require_apart(footprints, {**starts, number: start})
             except InvalidInputError:
                 continue
@@ -251,11 +232,24 @@ def _take_suggested(
             component = component or environment.component(*place)
             break
         else:
-            raise InvalidInputError(
-                f"{environment.name!r} suggests {len(environment.starts)} starts, at "
-                f"{len(starts)} of which robots have room together, for {len(footprints)} robots; "
-                "let the others be placed in another way (--start, --starts), or choose fewer"
-            )
+            raise _too_few_suggested(environment, len(starts) - given, len(footprints) - given)
+
+
+def _too_few_suggested(environment: Environment, taken: int, wanted: int) -> InvalidInputError:
+    number, otherwise = len(environment.starts), "in another way (--start, --starts)"
+    if not number:
+        said = f"no starts: place robots {otherwise}"
+    elif not taken:
+        said = (
+            f"{number} start{'s' * (number > 1)}, at which no robot has room: choose smaller "
+            f"bodies, or place robots {otherwise}"
+        )
+    else:
+        said = (
+            f"{number} start{'s' * (number > 1)}, with room for {taken} of the {wanted} robots "
+            f"together: choose fewer robots, or place the others {otherwise}"
+        )
+    return InvalidInputError(f"{environment.name!r} suggests {said}")
 
 
 def _default_room(environment: Environment, footprint: Footprint) -> Polygon:

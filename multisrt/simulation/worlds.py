@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import numpy as np
 import shapely
 
@@ -18,6 +20,8 @@ from multisrt.spec import (
     EnvironmentSpec,
     FileEnvironment,
     InlineEnvironment,
+    RunSpec,
+    Scalar,
     SuiteEnvironment,
 )
 
@@ -25,6 +29,7 @@ from multisrt.spec import (
 def environment_spec(
     text: str,
     *,
+    parameters: Mapping[str, Scalar] | None = None,
     resolution_m: float | None = None,
     threshold: float | None = None,
     starts_from: str | None = None,
@@ -36,6 +41,8 @@ def environment_spec(
     text : str
         A name of the catalogue or of a world of a suite (``indoor-30/07``), or else the path of a
         file; write ``./office`` for a file whose name is in the catalogue.
+    parameters : mapping of str to scalar, optional
+        Parameters of a generator that are not its defaults, its seed among them.
     resolution_m : float, optional
         Metres per pixel, for an image whose file does not give them.
     threshold : float, optional
@@ -46,13 +53,15 @@ def environment_spec(
     Raises
     ------
     InvalidInputError
-        If the text is none of these, or an environment of the catalogue or of a suite is given a
-        resolution, a threshold or a team file.
+        If the text is none of these, an environment of the catalogue or of a suite is given a
+        resolution, a threshold or a team file, or a file or a world of a suite is given parameters.
 
     Examples
     --------
     >>> environment_spec("office").name
     'office'
+    >>> environment_spec("maze", parameters={"cells": 20, "seed": 3}).parameters
+    {'cells': 20}
     >>> environment_spec("indoor-30/07").version
     1
     >>> environment_spec("./office.png", resolution_m=0.05).path
@@ -65,7 +74,14 @@ def environment_spec(
             "is for images"
         )
     if kind == "catalogue":
-        return CatalogEnvironment(name=text)
+        given = dict(parameters or {})
+        seed: Any = given.pop("seed", None)
+        return CatalogEnvironment(name=text, parameters=given, seed=seed)
+    if parameters:
+        what = "a world of a suite, which is fixed" if kind else "a map file"
+        raise InvalidInputError(
+            f"{text!r} is {what}: parameters are for generators; leave out {', '.join(parameters)}"
+        )
     if kind == "suite":
         suite = suites.load(text.partition("/")[0])
         suite.require_world(text)
@@ -111,23 +127,71 @@ def build_environment(spec: EnvironmentSpec) -> Environment:
     Raises
     ------
     InvalidInputError
-        If it cannot be built or read; the message says why.
+        If it cannot be built or read, or a file holds another world than the spec says; the message
+        says why.
     """
     if isinstance(spec, CatalogEnvironment):
         parameters: dict[str, Any] = dict(spec.parameters)
+        if "seed" in parameters:
+            raise InvalidInputError(
+                f"{spec.name}: the seed is not among the parameters of an environment, but a field "
+                f"beside them: seed = {parameters['seed']}"
+            )
         return environment(spec.name, seed=spec.seed, **parameters)
     if isinstance(spec, SuiteEnvironment):
         return suites.world(spec.name, version=spec.version)
     if isinstance(spec, FileEnvironment):
-        return read_environment(
+        world = read_environment(
             Path(spec.path),
             resolution_m=spec.resolution_m,
             threshold=spec.threshold,
             starts_from=spec.starts_from,
         )
+        require_digest(spec, world)
+        return world
     try:
         with np.errstate(invalid="ignore"):  # NaN coordinates are refused below
             free = shapely.from_wkt(spec.wkt)
     except shapely.errors.ShapelyError as error:
         raise InvalidInputError(f"environment {spec.name!r}: {error}") from None
     return Environment(spec.name, free, starts=spec.starts)
+
+
+def require_digest(spec: EnvironmentSpec, environment: Environment) -> None:
+    """Check that a world from a file is that of which the spec has the digest.
+
+    Raises
+    ------
+    InvalidInputError
+        If it is another one.
+    """
+    if not isinstance(spec, FileEnvironment) or spec.digest in (None, environment.digest):
+        return
+    found, given = environment.digest[:12], str(spec.digest)[:12]
+    raise InvalidInputError(
+        f"{spec.path} holds another world than when the spec was written: its free space has the "
+        f"digest {found}..., and the spec has {given}...; restore the file, or remove the line "
+        "'digest' from the spec to explore the world that it holds now"
+    )
+
+
+def with_digest(spec: RunSpec, digest: str | None) -> RunSpec:
+    """Return a spec with the digest of its world if that is from a file, or without it.
+
+    Parameters
+    ----------
+    spec : RunSpec
+        The spec of a run.
+    digest : str or None
+        Digest of its world, `Environment.digest`.
+
+    Examples
+    --------
+    >>> spec = RunSpec(environment=FileEnvironment(path="hall.wkt"))
+    >>> with_digest(spec, "1f0c").environment.digest
+    '1f0c'
+    """
+    if not isinstance(spec.environment, FileEnvironment) or spec.environment.digest == digest:
+        return spec
+    file = msgspec.structs.replace(spec.environment, digest=digest)
+    return msgspec.structs.replace(spec, environment=file)

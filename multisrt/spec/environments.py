@@ -63,6 +63,10 @@ class FileEnvironment(Part, frozen=True, kw_only=True, tag_field="from", tag="fi
         Lightness in [0, 1] above which a pixel of a plain image is free.
     starts_from : str or None
         A team file of MRESim that gives a plain image its suggested starts.
+    digest : str or None
+        Digest of the free space that the file is to hold, as `Environment.digest` returns it; a
+        file that holds another world is an error. None: whatever the file holds. It is no part of
+        the spec in a recording, since a run does not depend on it.
 
     Examples
     --------
@@ -78,6 +82,7 @@ class FileEnvironment(Part, frozen=True, kw_only=True, tag_field="from", tag="fi
     resolution_m: float | None = None
     threshold: float | None = None
     starts_from: str | None = None
+    digest: str | None = None
 
 
 class InlineEnvironment(Part, frozen=True, kw_only=True, tag_field="from", tag="wkt"):

@@ -13,6 +13,12 @@ from multisrt.spec.faults import Death, LateStart, Silence
 if TYPE_CHECKING:
     from multisrt.spec.run import RunSpec
 
+OF_MAP_FILES = {
+    option: f"the world that ms.read_environment(file, {option}=...) returns"
+    for option in ("resolution_m", "threshold", "starts_from")
+}
+"""What is given instead of options of map files, of which worlds are made before."""
+
 
 def checked(name: str, value: Any) -> Any:
     """Return the value of a keyword, with builtin numbers where it is a number.

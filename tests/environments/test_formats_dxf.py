@@ -308,6 +308,12 @@ def test_starts_are_points_centres_and_base_points(tmp_path):
     space.add_blockref("robot", (5, 6), dxfattribs=on("starts"))
     starts = read(tmp_path, drawing).starts
     np.testing.assert_allclose(starts, [(1, 2), (3, 4), (5, 6)], atol=1e-6)
+    space.add_point((90, 2), dxfattribs=on("starts"))
+    with pytest.raises(MapFormatError, match=r"start \(90, 2\) is not .*--fix OUT"):
+        read(tmp_path, drawing)
+    fixed = read_environment(tmp_path / "plan.dxf", repair=True)
+    np.testing.assert_allclose(fixed.starts, starts, atol=1e-6)
+    assert fixed.cleaning.removed_starts == 1
 
 
 def test_paper_space_does_not_count(tmp_path):

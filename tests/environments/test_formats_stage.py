@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from multisrt.environments.formats import read_environment, stage
+from multisrt.environments.formats.map_format import Beginning
 from multisrt.geometry.errors import MapFormatError
 
 MAPS = Path(__file__).resolve().parents[2].parent / "shared" / "maps"
@@ -224,6 +225,48 @@ def test_definitions_that_are_missing_are_told(read):
         read(text.replace("bitmap", "picture"))
 
 
+def test_models_of_unknown_types_without_equipment_are_no_robots(read):
+    chargers = 'charger ( pose [-2 1 0 0] ) charger ( name "c" pose [-1 1 0 0] )'
+    for robots in (
+        'bot ( pose [1 -1 0 0] ctrl "wander" ) bot ( pose [2 -1 0 0] )',
+        "bot ( pose [1 -1 0 0] sick ( ) ) bot ( pose [2 -1 0 0] )",
+        'bot ( pose [1 -1 0 0] localization "gps" ) bot ( pose [2 -1 0 0] )',
+        'define cb bot ( ctrl "wander" ) cb ( pose [1 -1 0 0] ) cb ( pose [2 -1 0 0] )',
+        "position ( pose [1 -1 0 0] ) position ( pose [2 -1 0 0] )",
+    ):
+        world = read(f"{PLAIN} {chargers} {robots}")
+        assert world.starts == ((1, -1), (2, -1))
+        assert world.origin == "w.world with a.png; charger is not defined, and is no robot"
+    # Nothing tells robots from other models.
+    assert len(read(f"{PLAIN} {chargers} bot ( pose [1 -1 0 0] )").starts) == 3
+
+
+@pytest.mark.parametrize(
+    ("text", "is_world"),
+    [
+        (PLAIN, True),
+        ('# of a\n\ninclude "a.inc"\n', True),
+        ("define a model ( size [1 1 1] )", True),
+        (
+            'resolution 0.02 paused 1 include "a.inc" window ( size [9 9] rotate [0 0] ) ' + PLAIN,
+            True,
+        ),
+        ('name "cave" size [16 16 0.8] model ( point[0] [1 2] ) bitmap "x.png"', True),
+        ('# A map\n\nEvery bitmap "a.png" is free.\ninclude "x" in the file\n', False),
+        ('The map (drawn by hand) has a bitmap "a.png"\n', False),
+        ("x,y\n1,2\n", False),
+        ("", False),
+        ('def f(x):\n    bitmap "a"\n', False),
+    ],
+)
+def test_prose_is_no_world(tmp_path, text, is_world):
+    assert stage.STAGE.recognises(Beginning(text.encode())) is is_world
+    (tmp_path / "notes.md").write_text(text + "\n")
+    if not is_world and text:
+        with pytest.raises(MapFormatError, match=r"notes\.md is not a map"):
+            read_environment(tmp_path / "notes.md", resolution_m=0.1)
+
+
 def test_an_included_definition_is_used(read, tmp_path):
     (tmp_path / "inc").mkdir()
     (tmp_path / "inc" / "map.inc").write_text(FLOORPLAN)
@@ -244,7 +287,13 @@ def test_starts_are_bounded_and_distinct(read, monkeypatch):
     ("text", "message"),
     [
         ("model ( size [1 1 1] )", r"w\.world has no model with a bitmap, so there is no floorp"),
-        ('model ( bitmap "b.png" )', "line 1 names the bitmap b.png, which is not in"),
+        ('model ( bitmap "b.png" )', "line 1 names the bitmap b.png, which is not in .*; copy it"),
+        (
+            'model ( bitmap "x/a.png" )',
+            r'a\.png is beside the map: write "a\.png", or move it to x$',
+        ),
+        ('model ( bitmap "../a.png" )', r'a\.png is beside the map: write "a\.png"$'),
+        ('model ( bitmap "/x/a.png" )', r'a\.png is beside the map: write "a\.png"$'),
         ('model ( bitmap "../a.png" )', r"line 1 names the file '\.\./a\.png', which is not in th"),
         ('model ( bitmap "/dev/zero" )', "line 1 names the file '/dev/zero', which is not in the"),
         ('model ( bitmap "w.world" )', r"w\.world is not an image"),
@@ -374,7 +423,7 @@ def pixels_of(folder, image, size, centre, turned=False):
     ("folder", "world", "image", "size", "centre", "turned", "robots"),
     [
         ("stage", "simple.world", "cave.png", (16, 16), (0, 0), False, 2),
-        ("stage", "autolab.world", "autolab.png", (20, 20), (0, 0), False, 45),
+        ("stage", "autolab.world", "autolab.png", (20, 20), (0, 0), False, 30),
         ("nav2d", "tutorial4.world", "autolab_fill.png", (34, 30), (0, 0), False, 2),
         *(
             ("navigation_tutorials", world, image, size, centre, True, 1)

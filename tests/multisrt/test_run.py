@@ -1,6 +1,7 @@
 import inspect
 from typing import Any
 
+import numpy as np
 import pytest
 import shapely
 
@@ -9,10 +10,12 @@ from multisrt.environments.environment import Environment
 from multisrt.finished_run import Run
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.run import RunKeywords, explore
+from multisrt.simulation.simulate import simulate
 from multisrt.simulation.worlds import inline
 from multisrt.spec import (
     Death,
     DriveSpec,
+    FileEnvironment,
     RadioSpec,
     RangeFinderSpec,
     RobotSpec,
@@ -239,6 +242,27 @@ def test_a_saved_spec_repeats_the_run(run, tmp_path):
     assert explore(spec).digest == run.digest
 
 
+def test_a_saved_spec_knows_the_world_of_its_file(tmp_path):
+    path = tmp_path / "room.wkt"
+    path.write_text("POLYGON ((0 0, 6 0, 6 5, 0 5, 0 0), (2 2, 2 3, 3.3 3, 2 2))")
+    run = explore(path, seed=1, max_time_s=3.0)
+    run.save_spec(tmp_path / "spec.toml")
+    spec = RunSpec.from_toml((tmp_path / "spec.toml").read_text())
+    assert isinstance(spec.environment, FileEnvironment)
+    assert spec.environment.digest == run.environment.digest
+    # The digest is a check, no part of the run; and one of a recording has the same.
+    again = explore(spec)
+    assert (again.digest, again.spec) == (run.digest, run.spec)
+    Run(again.recording).save_spec(tmp_path / "again.toml")
+    assert (tmp_path / "again.toml").read_text() == (tmp_path / "spec.toml").read_text()
+    path.write_text("POLYGON ((0 0, 7 0, 7 5, 0 5, 0 0))")
+    said = "room.wkt holds another world than when .* restore the file, or remove the line 'digest'"
+    for environment in (None, multisrt.read_environment(path)):
+        with pytest.raises(InvalidInputError, match=said):
+            simulate(spec, environment)
+    assert explore(path, seed=1, max_time_s=3.0).environment.area_m2 == 35.0
+
+
 def test_why_explains_the_last_decision(run):
     assert "its last decision was at 0.00 s" in run.why(0, 0.0)
     assert run.why(0) == run.why(0, run.metrics.makespan_s)
@@ -274,6 +298,21 @@ def test_a_misspelt_keyword_is_refused_with_a_hint():
         assert f"explore takes no argument {name!r} (did you mean {meant!r}?)" in str(error.value)
     with pytest.raises(InvalidInputError, match="no argument 'stop': give max_time_s=SECONDS"):
         explore("open", stop={"max_time_s": 9.0})  # type: ignore[call-arg]
+
+
+def test_messages_lead_from_an_image_to_its_world(tmp_path):
+    grid = tmp_path / "grid.npy"
+    np.save(grid, np.zeros((30, 30), dtype=bool))
+    way = r"ms\.read_environment\(file, resolution_m=\.\.\.\)"
+    with pytest.raises(InvalidInputError, match=f"metres per cell .*{way}"):
+        explore(grid)
+    for function in (explore, multisrt.Stepper):
+        with pytest.raises(InvalidInputError, match=f"'resolution_m': give .*{way}"):
+            function(grid, resolution_m=0.1)
+    with pytest.raises(InvalidInputError, match=f"'resolution_m': give .*{way}"):
+        multisrt.compare([grid], ["minpos", "closest"], resolution_m=0.1)
+    world = multisrt.read_environment(grid, resolution_m=0.1)
+    assert world.area_m2 == pytest.approx(9.0)
 
 
 def test_explanations_show_themselves_as_they_read(run):

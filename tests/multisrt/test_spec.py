@@ -356,6 +356,12 @@ def test_worlds_of_the_catalogue_and_of_files(tmp_path):
         build_environment(CatalogEnvironment(name="nowhere"))
     with pytest.raises(InvalidInputError, match="'bogus'"):
         build_environment(CatalogEnvironment(name="open", parameters={"bogus": 1}))
+    room = FileEnvironment(path=str(tmp_path / "room.wkt"), digest="0" * 64)
+    with pytest.raises(InvalidInputError, match=r"room\.wkt holds another world than when"):
+        build_environment(room)
+    assert "digest" not in RunSpec(environment=FileEnvironment(path="room.wkt")).to_toml()
+    with pytest.raises(InvalidInputError, match="a field beside them: seed = 3"):
+        build_environment(CatalogEnvironment(name="open", parameters={"seed": 3}))
 
 
 def test_each_part_of_a_run_has_its_own_random_stream():

@@ -11,6 +11,7 @@ import numpy as np
 
 from multisrt.environments.environment import MAX_COORDINATE_M
 from multisrt.environments.formats.curves import FLATNESS_M, cubic_points
+from multisrt.environments.formats.files import RESOLUTION_OPTION
 from multisrt.environments.formats.plan import Role, role_within
 from multisrt.environments.formats.regions import MAX_POINTS
 from multisrt.geometry.errors import MapFormatError
@@ -252,7 +253,7 @@ class Drawer:
         if not np.abs(placed).max() <= MAX_COORDINATE_M:
             raise MapFormatError(
                 f"{self._path} has a point further than {MAX_COORDINATE_M:g} m away; check the "
-                "unit ($INSUNITS) or give --resolution (resolution_m)"
+                f"unit ($INSUNITS) or give {RESOLUTION_OPTION}"
             )
         pieces, at = [placed[:1]], 0
         for command in commands:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import re
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -14,6 +15,7 @@ from shapely.geometry.base import BaseGeometry
 from multisrt.environments.environment import Environment
 from multisrt.environments.formats.dxf.entities import Drawer, Line, Part
 from multisrt.environments.formats.files import (
+    FileStarts,
     build_environment,
     refuse_threshold,
     require_file,
@@ -57,6 +59,7 @@ def read_dxf(
     resolution_m: float | None = None,
     threshold: float | None = None,
     name: str | None = None,
+    repair: bool = False,
 ) -> Environment:
     """Read a floor plan from the model space of a DXF file.
 
@@ -90,12 +93,14 @@ def read_dxf(
         Rejected: a drawing is not an image.
     name : str, optional
         By default the file's name without suffix.
+    repair : bool, optional
+        Whether starts that are not in free space are left out instead of refused.
 
     Raises
     ------
     MapFormatError
         If the file is not DXF, has no unit and no resolution is given, has no walls or no free
-        space, or draws walls by entities that cannot be read.
+        space, has a start outside of it, or draws walls by entities that cannot be read.
     MissingExtraError
         If ezdxf is not installed (``multisrt[dxf]``).
 
@@ -141,7 +146,14 @@ def read_dxf(
         f"{path.name} at {scale:g} m per unit, {rule}, lines {WALL_THICKNESS_M * 100:g} cm thick"
     )
     layers = layers_of((part.layer, part.role) for part in parts) if _has_names(parts) else None
-    return build_environment(path, free, name=name, origin=origin, starts=starts, layers=layers)
+    return build_environment(
+        path,
+        free,
+        name=name,
+        origin=origin,
+        starts=FileStarts(starts, repair=repair),
+        layers=layers,
+    )
 
 
 def _loaded(path: Path, ezdxf: Any) -> Drawing:
@@ -266,4 +278,10 @@ def _is_dxf(beginning: Beginning) -> bool:
     )
 
 
-DXF = MapFormat(name="DXF", suffixes=(".dxf",), recognises=_is_dxf, read=read_dxf)
+DXF = MapFormat(
+    name="DXF",
+    suffixes=(".dxf",),
+    recognises=_is_dxf,
+    read=read_dxf,
+    repair=partial(read_dxf, repair=True),
+)

@@ -8,7 +8,11 @@ import numpy as np
 import shapely
 from shapely import Polygon
 
-from multisrt.environments.formats.files import refuse_resolution, require_resolution
+from multisrt.environments.formats.files import (
+    RESOLUTION_OPTION,
+    refuse_resolution,
+    require_resolution,
+)
 from multisrt.environments.formats.svg.lengths import (
     PX_PER_UNIT,
     SvgError,
@@ -159,6 +163,6 @@ def _paper_scale(px: list[float | None], box: tuple[float, float, float, float] 
     unit_m = (min(ratios) if box else 1.0) * _PX_M if ratios else _PX_M
     return (
         f"is a page of {sides} mm, which is paper: it does not say at which scale it is drawn; "
-        f"give the metres per user unit with --resolution (resolution_m). A user unit is "
+        f"give the metres per user unit with {RESOLUTION_OPTION}. A user unit is "
         f"{unit_m * 1000:.4g} mm on paper: {unit_m:.4g} at full size, {100 * unit_m:.4g} at 1:100"
     )

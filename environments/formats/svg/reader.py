@@ -16,6 +16,7 @@ from shapely.geometry.base import BaseGeometry
 
 from multisrt.environments.environment import Environment
 from multisrt.environments.formats.files import (
+    FileStarts,
     build_environment,
     refuse_threshold,
     require_number,
@@ -147,7 +148,7 @@ def read_svg(
         free,
         name=name,
         origin=f"{path.name} {page.scale}, {rule}",
-        starts=starts,
+        starts=FileStarts(starts),
         layers=plan.layers,
     )
 

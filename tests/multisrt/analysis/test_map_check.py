@@ -72,6 +72,17 @@ def test_starts_in_other_parts_or_beside_walls_are_problems():
     )
 
 
+def test_equal_problems_of_starts_are_one():
+    hall = box(0, 0, 8, 4) | box(9, 0, 9.4, 4)
+    near = [(0.1, 1), (0.2, 2), (0.1, 3), (7.95, 2)]
+    world = Environment("hall", hall, starts=[(1, 1), *near, (9.1, 1), (9.1, 2)])
+    assert check_map(world, BODY).problems == (
+        "the suggested starts (9.1, 1) and (9.1, 2) are in another part than the first",
+        "at the suggested starts (0.1, 1), (0.2, 2), (0.1, 3) and 1 more the body disc:0.25 does "
+        "not fit: the nearest walls are at 0.05 to 0.2 m",
+    )
+
+
 def test_equal_parts_are_a_problem_and_the_first_start_chooses():
     two = shapely.union_all([box(0, 0, 4, 4), box(5, 0, 10, 4)])
     check = check_map(Environment("two", two, starts=[(1, 1)]), BODY)

@@ -123,3 +123,64 @@ def test_environments_lists_suites_and_draws_their_worlds(call, folder):
     assert code == 2
     assert "a suite of 30 worlds" in err
     assert "Traceback" not in err
+
+
+def test_parameters_of_generators_are_set(call, folder):
+    words = ("--set", "difficulty=0.8", "--set", "size_m=30", "--set", "seed=3")
+    code, out, err = call("environments", "export", "dungeon", *words, "--out", "d.wkt")
+    assert (code, err) == (0, "")
+    made = environment("dungeon", difficulty=0.8, size_m=30, seed=3)
+    assert read_environment(folder / "d.wkt").digest == made.digest
+    assert (
+        "parameters: size_m=40, difficulty=0.5, passage_m=1.4, seed=0 by default, set by "
+        "--set NAME=VALUE\n" in out
+    )
+    plain = environment("office", furnished=False)
+    code, out, _ = call("environments", "show", "office", "--set", "furnished=false")
+    assert code == 0
+    assert f"{plain.area_m2:.4g} m2 free, {len(plain.edges)} edges" in out
+    assert "furnished=true" in out
+    assert "; also difficulty, from 0 to 1\n" in out
+    code, out, _ = call("environments", "check", "open", "--set", "size_m=12")
+    assert code == 0
+    assert "12 x 12 m" in out
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["maze", "--set", "cell=9"], "maze has no parameter 'cell'; it takes seed and"),
+        (["maze", "--set", "cells=many"], "maze: cells='many' is out of range; give a whole"),
+        (["maze", "--set", "seed=x"], "maze: seed='x' is out of range"),
+        (["maze", "--set", "cells"], "--set: 'cells' is not KEY=VALUE"),
+        (["museum", "--set", "size_m=9"], "the bundled map 'museum' is fixed"),
+        (["room.wkt", "--set", "size_m=9"], "'room.wkt' is a map file: parameters are for gen"),
+        (["mazes-30/12", "--set", "seed=9"], "a world of a suite, which is fixed"),
+    ],
+)
+def test_parameters_that_no_generator_takes_are_refused(call, folder, words, said):
+    before = everything(folder)
+    for command in (
+        ("environments", "show"),
+        ("environments", "check"),
+        ("environments", "export", "--out", "x.wkt"),
+        ("explore",),
+    ):
+        code, out, err = call(*command, *words)
+        assert (code, out) == (2, "")
+        assert said in err
+        assert err.count("\n") == 1
+    assert everything(folder) == before
+
+
+def test_check_and_export_take_the_starts_of_a_team(call, folder):
+    Image.new("L", (60, 40), 255).save(folder / "plan.png")
+    (folder / "team.txt").write_text("2 A 9 19 0.0 100 200 1000 Explorer 1 1\n")
+    words = ("plan.png", "--resolution", "0.1", "--starts-from", "team.txt")
+    assert call("environments", "export", *words, "--out", "plan.geojson")[0] == 0
+    (start,) = read_environment(folder / "plan.geojson").starts
+    assert start == pytest.approx((0.95, 2.05))
+    code, out, _ = call("environments", "check", *words, "--fix", "clean.geojson")
+    assert code == 0
+    assert "with all suggested starts" in out
+    assert read_environment(folder / "clean.geojson").starts == (start,)

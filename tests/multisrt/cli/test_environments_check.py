@@ -3,8 +3,12 @@ import re
 import xml.etree.ElementTree as ET
 
 import pytest
+import shapely
 
+from multisrt.cli.environments import FIXED
 from multisrt.environments.formats import read_environment
+from multisrt.exporting.worlds import MAP_SUFFIXES, READABLE_SUFFIXES
+from tests.multisrt.cli.commands import everything
 
 STAIRS = "type octile\nheight 5\nwidth 5\nmap\n@@@..\n@@...\n@....\n.....\n.....\n"
 BOW = "POLYGON ((0 0, 4 4, 4 0, 0 4))"
@@ -66,6 +70,37 @@ def test_fix_writes_a_clean_copy_beside_the_original(call, folder):
     assert not copy.cleaning
 
 
+def test_fix_leaves_out_starts_outside_free_space(call, folder):
+    features = [
+        {
+            "type": "Feature",
+            "properties": {"kind": "free"},
+            "geometry": json.loads(shapely.to_geojson(shapely.box(0, 0, 8, 5))),
+        },
+        *(
+            {
+                "type": "Feature",
+                "properties": {"kind": "start"},
+                "geometry": {"type": "Point", "coordinates": place},
+            }
+            for place in ([50, 5], [4, 2.5])
+        ),
+    ]
+    collection = {"type": "FeatureCollection", "features": features}
+    (folder / "hall.geojson").write_text(json.dumps(collection))
+    code, out, err = call("environments", "check", "hall.geojson")
+    assert (code, out) == (2, "")
+    assert err == (
+        "error: hall.geojson, feature 2: the suggested start (50, 5) is not in free space, but "
+        "42 m away from it; move it or remove it; 'multisrt environments check FILE --fix OUT' "
+        "writes a repaired copy without it\n"
+    )
+    code, out, err = call("environments", "check", "hall.geojson", "--fix", "clean.geojson")
+    assert (code, err) == (0, "")
+    assert "cleaned: 1 suggested start removed as not in free space\n" in out
+    assert read_environment(folder / "clean.geojson").starts == ((4.0, 2.5),)
+
+
 def test_fix_never_replaces_a_file_without_force(call, folder):
     path = folder / "bow.wkt"
     path.write_text(BOW)
@@ -105,6 +140,21 @@ def test_fix_drops_closes_and_simplifies(call, folder):
     copy = read_environment(folder / "clean.wkt")
     assert len(copy.components) == 2
     assert all(not part.interiors for part in copy.components)
+
+
+@pytest.mark.parametrize("name", ["clean.stl", "clean.glb", "clean.png", "clean"])
+def test_fix_writes_what_can_be_read_again(call, folder, name):
+    before = everything(folder)
+    code, out, err = call("environments", "check", "room.wkt", "--fix", name)
+    assert (code, out) == (2, "")
+    assert "; repaired copies are written as .yaml: ROS map server, " in err
+    assert "STL" not in err
+    assert everything(folder) == before
+
+
+def test_the_help_of_fix_lists_the_formats():
+    assert {MAP_SUFFIXES[suffix] for suffix in FIXED} == set(READABLE_SUFFIXES.values())
+    assert set(MAP_SUFFIXES) - set(READABLE_SUFFIXES) == {".stl", ".glb"}
 
 
 def test_options_of_fix_need_it(call):

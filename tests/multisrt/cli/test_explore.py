@@ -218,3 +218,24 @@ def test_regret_is_printed_as_multiples(call, monkeypatch, tmp_path):
         found = re.search(rf"{name} +(\d+\.\d\d)", out)
         assert found is not None
         assert float(found[1]) >= 1.0
+
+
+def test_a_spec_names_its_missing_map(call, folder):
+    (folder / "runs").mkdir()
+    spec = folder / "runs" / "spec.toml"
+    spec.write_text('[environment]\nfrom = "file"\npath = "gone.wkt"\n')
+    words = ("explore", "--spec", "runs/spec.toml", "--out", "again")
+    code, out, err = call(*words)
+    assert (code, out) == (2, "")
+    assert err == (
+        f"error: runs/spec.toml names the file gone.wkt, relative to the working folder: "
+        f"{folder}/gone.wkt does not exist, and neither does runs/gone.wkt; run the command in the "
+        "folder to which the name is relative, or correct 'path' in the spec\n"
+    )
+    (folder / "room.wkt").rename(folder / "runs" / "gone.wkt")
+    code, _, err = call(*words)
+    assert code == 2
+    assert "gone.wkt does not exist, but runs/gone.wkt does; run the command in" in err
+    spec.write_text(f'[environment]\nfrom = "file"\npath = "{folder}/gone.wkt"\n')
+    assert f"names the file {folder}/gone.wkt, which does not exist; restore" in call(*words)[2]
+    assert not (folder / "again").exists()

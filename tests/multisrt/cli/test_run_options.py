@@ -7,6 +7,7 @@ from PIL import Image
 from multisrt.cli.run_options import DRIVES
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.spec import (
+    CatalogEnvironment,
     Death,
     DriveSpec,
     FileEnvironment,
@@ -130,3 +131,10 @@ def test_errors_name_the_option_that_was_given(call, words, said):
     assert (code, out) == (2, "")
     assert err.startswith("error: ")
     assert said in err
+
+
+def test_parameters_of_a_generator_are_in_the_spec(call):
+    spec = spec_of(call, "open", "--set", "size_m=12", "--set", "seed=3", "--set", "columns=2")
+    world = CatalogEnvironment(name="open", parameters={"size_m": 12, "columns": 2}, seed=3)
+    assert spec.environment == world
+    assert RunSpec.from_toml(spec.to_toml()) == spec

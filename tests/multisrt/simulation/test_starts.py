@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 import shapely
+import shapely.affinity
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -15,6 +16,7 @@ from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import ClearanceError, InvalidInputError
 from multisrt.simulation.random_streams import random_stream
+from multisrt.simulation.rooms import nearest_room
 from multisrt.simulation.starts import starts_of
 from multisrt.simulation.worlds import inline
 from multisrt.spec import DriveSpec, RobotSpec, RunSpec
@@ -95,8 +97,41 @@ def test_a_body_that_does_not_fit_at_its_start_is_refused():
 
 
 def test_a_start_inside_an_obstacle_is_refused():
-    with pytest.raises(ClearanceError, match=r"\(5, 3\).*'pillar'.*clearance 0 m"):
-        start_of(RobotSpec(start=(5.0, 3.0)), PILLAR)
+    said = (
+        r"\(4\.2, 3\).*'pillar'.*, 0\.2 m from free space; the nearest place where the body "
+        r"disc:0\.25 fits is \(3\.74, 3\), 0\.46 m from there"
+    )
+    with pytest.raises(ClearanceError, match=said):
+        start_of(RobotSpec(start=(4.2, 3.0)), PILLAR)
+
+
+@settings(max_examples=60)
+@given(
+    x=st.floats(-3, 13),
+    y=st.floats(-3, 9),
+    body=st.sampled_from(["disc:0.25", "disc:1.37", "box:0.6x0.4", BODIES[3]]),
+    turn=st.floats(0, 3),
+)
+def test_a_start_that_is_refused_has_a_place_near_by(x, y, body, turn):
+    free = shapely.affinity.rotate(PILLAR.free, turn, use_radians=True)
+    world, footprint = Environment("turned", free), Footprint.parse(body)
+    place = nearest_room(world, footprint, x, y)
+    assert place is not None
+    assert start_of(RobotSpec(start=(*place, turn), footprint=body), world)[:2] == place
+    radius = footprint.circumscribed_radius_m
+    best = free.buffer(-radius, quad_segs=200).distance(shapely.Point(x, y))
+    away = math.dist(place, (x, y))
+    assert best - 0.01 <= away <= best + 0.05
+
+
+def test_no_place_is_named_where_a_body_fits_nowhere():
+    with pytest.raises(ClearanceError, match="disc:4 has room in every heading nowhere"):
+        start_of(RobotSpec(start=(-1.0, 3.0), footprint="disc:4"), HALL)
+
+
+def test_a_start_on_the_border_is_refused():
+    with pytest.raises(ClearanceError, match=r"it is on its border; .* \(3\.74, 3\)"):
+        start_of(RobotSpec(start=(4.0, 3.0)), PILLAR)
 
 
 def test_a_start_outside_the_world_is_refused():
@@ -220,10 +255,17 @@ def test_a_team_takes_the_suggested_starts_at_which_it_has_room():
     assert [start[:2] for start in found] == [places[0], places[4], places[5]]
     beside = starts(world, [RobotSpec(start=(21, 2.5, 0.5)), RobotSpec()], starts="suggested")
     assert beside[1][:2] == places[3]
-    with pytest.raises(InvalidInputError, match="suggests 6 starts, at 3 of which"):
+    said = "suggests 6 starts, with room for 3 of the 4 robots together: choose fewer robots"
+    with pytest.raises(InvalidInputError, match=said):
         starts(world, team(4), starts="suggested")
-    with pytest.raises(InvalidInputError, match="suggests 0 starts"):
+    few = [RobotSpec(start=(4, 1)), *team(4)]
+    with pytest.raises(InvalidInputError, match="room for 3 of the 4 robots together"):
+        starts(world, few, starts="suggested")
+    with pytest.raises(InvalidInputError, match="'hall' suggests no starts: place robots in ano"):
         starts(HALL, team(1), starts="suggested")
+    narrow = Environment("hall", HALL.free, starts=[(0.1, 4.0)])
+    with pytest.raises(InvalidInputError, match="suggests 1 start, at which no robot has room"):
+        starts(narrow, team(1), starts="suggested")
 
 
 def test_a_cluster_is_as_dense_as_documented():

@@ -5,7 +5,7 @@ import math
 from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path, PurePosixPath
-from typing import Any, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 import shapely
@@ -340,13 +340,16 @@ class FileStarts(NamedTuple):
     repair: bool | None = None
 
 
+NO_STARTS: Final = FileStarts()
+
+
 def build_environment(
     path: Path,
     free: BaseGeometry,
     *,
     name: str | None,
     origin: str,
-    starts: FileStarts = FileStarts(),
+    starts: FileStarts = NO_STARTS,
     cleaning: Cleaning | None = None,
     layers: Layers | None = None,
 ) -> Environment:

@@ -173,10 +173,10 @@ def _where_it_takes_longer(other: str, *, robots: int, radio_m: int) -> Iterator
     for change in (WIDER, FORGETS):
         changed = with_options(ours, change, OWN_CHANGES[SBX_R][change])
         sides.append((f"{IN_PLACE_OF[other]}, {change}", theirs, changed))
-    on_paths = (
+    base, changed = (
         with_options(choice, FOLLOWS_PATH, EQUAL_CHANGES[FOLLOWS_PATH]) for choice in (theirs, ours)
     )
-    sides.append((IN_PLACE_OF[other], *on_paths))
+    sides.append((IN_PLACE_OF[other], base, changed))
     for change, base, changed in sides:
         yield _ablation(
             f"Where self-bidding takes longer than {other}",

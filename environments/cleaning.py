@@ -252,7 +252,7 @@ def _even_odd(polygon: Polygon) -> BaseGeometry:
     rings = np.asarray(shapely.get_rings(polygon), np.object_)
     lines = shapely.union_all([shapely.LineString(ring.coords) for ring in rings])
     faces = shapely.get_parts(shapely.polygonize(shapely.get_parts(lines)))
-    filled = shapely.make_valid(shapely.polygons(rings), method="linework")
+    filled = np.asarray(shapely.make_valid(shapely.polygons(rings), method="linework"), np.object_)
     inside, _ = shapely.STRtree(filled).query(shapely.point_on_surface(faces), predicate="within")
     odd = np.bincount(inside, minlength=len(faces)) % 2 == 1
     return shapely.union_all(faces[odd])

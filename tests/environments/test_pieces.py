@@ -1,6 +1,7 @@
 """Separate areas of small worlds, drawn by hand."""
 
 import shapely
+from shapely.geometry.base import BaseGeometry
 
 from multisrt.environments.environment import Environment
 from multisrt.environments.pieces import enclosing, inside, is_minor, pieces, surrounding
@@ -56,7 +57,7 @@ def test_a_courtyard_that_touches_no_border_is_no_paper():
     assert enclosing(world) is None
 
 
-def flat_on(page: shapely.Polygon) -> Environment:
+def flat_on(page: BaseGeometry) -> Environment:
     """A flat of 13 x 12 m with walls of 0.3 m, of two rooms, on a page."""
     flat = shapely.box(2, 2, 15, 14)
     rooms = [shapely.box(2.3, 2.3, 10, 13.7), shapely.box(10.2, 2.3, 14.7, 13.7)]

@@ -132,8 +132,8 @@ def test_experiment_check_warns_of_starts_outside(call, folder):
         'name = "plans"\nenvironments = ["{}.wkt"]\nstrategies = ["closest"]\n'
         'bodies = ["disc:0.2"]\nrepetitions = 1\n{}'
     )
-    for world in ("plan", "wide"):
-        (folder / "plans.toml").write_text(text.format(world, ""))
+    for name in ("plan", "wide"):
+        (folder / "plans.toml").write_text(text.format(name, ""))
         code, _, err = call("experiment", "check", "plans.toml", "--seconds", "0")
         assert (code, err) == (0, "")
     given = "starts = [{ places = [[0.5, 0.5]] }]"

@@ -506,7 +506,8 @@ def _counted(number: int, what: str, several: str = "") -> str:
 
 
 def _area(square_metres: float) -> str:
-    return f"{square_metres:.3g} m2" if square_metres < 100.0 else f"{square_metres:.0f} m2"
+    text = f"{square_metres:.3g}" if square_metres < 100.0 else f"{square_metres:,.0f}"
+    return f"{text} m2"
 
 
 def _metres(metres: float) -> str:

@@ -12,6 +12,7 @@ import shapely
 from shapely import MultiPolygon, Point, Polygon
 from shapely.geometry.base import BaseGeometry
 
+from multisrt.environments.area_text import area_text
 from multisrt.environments.cleaning import Cleaning, polygons_of, without_slivers
 from multisrt.environments.layers import Layers
 from multisrt.geometry.errors import ClearanceError, InvalidInputError
@@ -328,7 +329,7 @@ class Environment:
         x0, y0, x1, y1 = self.bounds
         return (
             f"Environment({self._name!r}, {x1 - x0:.4g} x {y1 - y0:.4g} m, "
-            f"{self.area_m2:.4g} m2 free, {len(self.edges)} edges)"
+            f"{area_text(self.area_m2)} m2 free, {len(self.edges)} edges)"
         )
 
     def __eq__(self, other: object) -> bool:

@@ -34,6 +34,9 @@ KINDS = {
 }
 """Kinds of features, by the value of the property ``kind`` (or ``type``)."""
 
+MAX_DEGREES = 1.0
+"""Extent below which coordinates may be degrees rather than metres."""
+
 MIN_EXTENT_M = 0.1
 """Minimum extent of a world in metres; a smaller one has coordinates in degrees."""
 
@@ -80,6 +83,12 @@ def read_geojson(
     refuse_threshold(path, threshold)
     root = _Place(str(path))
     document = read_json(path, "GeoJSON")
+    if isinstance(document, dict) and "type" not in document:
+        raise root.error(
+            'this JSON is neither GeoJSON, which has a "type", nor a floor plan of HouseExpo, '
+            'which has "verts"',
+            "choose another file, or convert it to one of these",
+        )
     _refuse_degrees(root, document)
     world = _World(repair=repair)
     try:
@@ -268,6 +277,30 @@ def _list(place: _Place, item: dict[str, object], key: str) -> list[object]:
     if not isinstance(value, list):
         raise place.error(f"{key} is {shown(value)}", "it must be a list")
     return value
+
+
+def degrees_hint(environment: Environment) -> str:
+    """Return a hint for a world whose GeoJSON file may be in degrees; empty if it cannot be.
+
+    Parameters
+    ----------
+    environment : Environment
+        A world that is too small for a body.
+
+    Examples
+    --------
+    >>> town = Environment("town", shapely.box(8.5, 47.3, 8.9, 47.7), origin="town.geojson")
+    >>> degrees_hint(town)
+    'if its coordinates are degrees, project them first: those of GeoJSON must be metres'
+    >>> degrees_hint(Environment("town", shapely.box(8.5, 47.3, 8.9, 47.7)))
+    ''
+    """
+    x0, y0, x1, y1 = environment.bounds
+    is_geojson = Path(environment.origin).suffix.lower() in GEOJSON.suffixes
+    is_small = max(x1 - x0, y1 - y0) < MAX_DEGREES
+    if not is_geojson or not is_small or max(-x0, x1) > 180.0 or max(-y0, y1) > 90.0:
+        return ""
+    return "if its coordinates are degrees, project them first: those of GeoJSON must be metres"
 
 
 def _is_geojson(beginning: Beginning) -> bool:

@@ -142,6 +142,12 @@ def free_pixels(
     free = is_free[levels]
     if opaque is not None:
         free &= opaque
+    if not free.any() and threshold == 0.0:
+        is_blank = opaque is not None and not opaque.any()
+        found = "no pixel is opaque" if is_blank else "every opaque pixel is black"
+        raise MapFormatError(
+            f"{path}: {found}, so there is no free space; draw free space light and opaque"
+        )
     if not free.any():
         raise MapFormatError(
             f"{path}: no opaque pixel is lighter than {threshold:.3g}, so there is no free space; "
@@ -218,7 +224,9 @@ def read_pixels(path: Path) -> Pixels:
                 f"{path} says that it has {size}; images are read up to {MAX_CELLS:,} pixels"
             ) from error
         except Exception as error:  # a damaged file makes decoders raise almost anything
-            raise MapFormatError(f"{path} is a damaged image: {error}") from error
+            raise MapFormatError(
+                f"{path} is a damaged image: {error}; copy it again, or open it and save it anew"
+            ) from error
 
 
 def _require_size(path: Path, width: int, height: int) -> None:

@@ -203,7 +203,7 @@ class ClearanceTree:
         _, area = csgraph.connected_components(
             _graph(np.delete(self.links, links, axis=0), len(self.areas)), directed=False
         )
-        areas_m2 = np.bincount(area, weights=self.areas).astype(np.float64)
+        areas_m2: FloatArray = np.bincount(area, weights=self.areas).astype(np.float64)
         joints = area[self.links[links]]
         kept: list[int] = []
         for number, others in enumerate(near):

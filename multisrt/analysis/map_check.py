@@ -18,6 +18,7 @@ from multisrt.analysis.clearance_tree import (
 )
 from multisrt.environments.cleaning import CleaningOptions, cleaned
 from multisrt.environments.environment import Environment
+from multisrt.environments.formats.geojson import degrees_hint
 from multisrt.environments.layers import left_out_names
 from multisrt.environments.pieces import Enclosing, inside, pieces, start_in, surrounding
 from multisrt.geometry.bodies.footprint import Footprint
@@ -154,9 +155,10 @@ class MapCheck:
 
     def _problem_of_reach(self) -> str:
         if not self.reachable:
+            hint = degrees_hint(self.environment)
             return (
                 f"the body {self.footprint} fits nowhere in the main part: the largest disc there "
-                f"has a radius of {_largest_radius_m(self.main):.3g} m"
+                f"has a radius of {_largest_radius_m(self.main):.3g} m{'; ' * bool(hint)}{hint}"
             )
         if self.reached_share >= self.share:
             return ""

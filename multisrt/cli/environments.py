@@ -17,6 +17,7 @@ from multisrt.cli.reach import areas, around
 from multisrt.cli.run_options import world_of_options
 from multisrt.cli.tables import show as show_table
 from multisrt.cli.tables import table
+from multisrt.environments.area_text import area_text
 
 if TYPE_CHECKING:
     from multisrt.environments.environment import Environment
@@ -214,7 +215,7 @@ def export(
 def _describe(world: Environment, name: str) -> None:
     x0, y0, x1, y1 = world.bounds
     click.echo(
-        f"{world.name}: {x1 - x0:.4g} x {y1 - y0:.4g} m, {world.area_m2:.4g} m2 free, "
+        f"{world.name}: {x1 - x0:.4g} x {y1 - y0:.4g} m, {area_text(world.area_m2)} m2 free, "
         f"{len(world.edges)} edges, {areas(world)}"
     )
     if world.cleaning:

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from multisrt.cli.reach import MAX_AREAS, areas, around
+from multisrt.environments.area_text import area_text
 
 if TYPE_CHECKING:
     from shapely import Polygon
@@ -52,7 +53,8 @@ def report(check: MapCheck) -> Iterator[str]:
     if check.superfluous_vertices:
         vertices += f", {check.superfluous_vertices} of them on straight lines"
     yield (
-        f"{world.name}: {x1 - x0:.4g} x {y1 - y0:.4g} m, {world.area_m2:.4g} m2 free, {vertices}"
+        f"{world.name}: {x1 - x0:.4g} x {y1 - y0:.4g} m, {area_text(world.area_m2)} m2 free, "
+        f"{vertices}"
     )
     if world.cleaning:
         yield f"cleaned: {world.cleaning}"
@@ -61,12 +63,12 @@ def report(check: MapCheck) -> Iterator[str]:
     yield f"free space: {areas(world)}{_parts_of_starts(check)}"
     if said := around(world):
         yield said
-    here = "it" if len(check.parts) == 1 else f"the part of {check.main.area:.4g} m2"
+    here = "it" if len(check.parts) == 1 else f"the part of {area_text(check.main.area)} m2"
     if check.passages:
         first = check.passages[0]
         yield (
             f"narrowest passage: {_metres(first.width_m)} wide at {_place(first)}, "
-            f"{first.beyond_m2:.4g} m2 behind it"
+            f"{area_text(first.beyond_m2)} m2 behind it"
         )
     else:
         yield "narrowest passage: none, it is nowhere narrower than on both sides"
@@ -89,18 +91,21 @@ def _parts_of_starts(check: MapCheck) -> str:
     used = sorted(set(check.start_parts))
     if len(check.parts) == 1:
         return ", with all suggested starts"
-    sizes = ", ".join(f"{check.parts[number].area:.4g}" for number in used)
+    sizes = ", ".join(area_text(check.parts[number].area) for number in used)
     return f"; the suggested starts are in {'that' if len(used) == 1 else 'those'} of {sizes} m2"
 
 
 def _listed_areas(found: Sequence[Polygon]) -> str:
     from multisrt.analysis.map_check import place_in
 
-    text = ", ".join(f"{area.area:.3g} m2 at {place_in(area)}" for area in found[:MAX_AREAS])
+    text = ", ".join(
+        f"{area_text(area.area, 3)} m2 at {place_in(area)}" for area in found[:MAX_AREAS]
+    )
     rest = found[MAX_AREAS:]
     if not rest:
         return text
-    return f"{text}, and {sum(area.area for area in rest):.3g} m2 in {len(rest)} other places"
+    more = area_text(sum(area.area for area in rest), 3)
+    return f"{text}, and {more} m2 in {len(rest)} other places"
 
 
 def _blocking(passages: Sequence[Passage]) -> Iterator[str]:

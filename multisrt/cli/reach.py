@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from multisrt.environments.area_text import area_text
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -39,7 +41,7 @@ def areas(environment: Environment) -> str:
     sizes = [piece.area for piece in pieces(environment)]
     if len(sizes) == 1:
         return "1 part"
-    listed = ", ".join(f"{size:.4g}" for size in sizes[:MAX_AREAS])
+    listed = ", ".join(area_text(size) for size in sizes[:MAX_AREAS])
     return f"{len(sizes)} separate parts ({listed}{', ...' * (len(sizes) > MAX_AREAS)} m2)"
 
 
@@ -64,7 +66,7 @@ def around(environment: Environment) -> str:
     if found is None:
         return ""
     said = (
-        f"the part of {found.area.area:.4g} m2 lies around "
+        f"the part of {area_text(found.area.area)} m2 lies around "
         f"{'the others' if len(found.inside) + 1 == len(environment.components) else 'others'}: "
         "it touches the border of the map"
     )
@@ -109,22 +111,22 @@ def elsewhere(environment: Environment, start: Sequence[float]) -> str:
     if share >= MIN_SHARE and not starts_outside:
         return ""
     said = (
-        f"free space has {areas(environment)}, and the start is in that of {here.area:.4g} m2 "
-        f"({100.0 * share:.0f} %)"
+        f"free space has {areas(environment)}, and the start is in that of "
+        f"{area_text(here.area)} m2 ({100.0 * share:.0f} %)"
     )
     if outside is not None and starts_outside:
         largest = outside.inside[0]
         said += (
             f", which lies around others and touches the border of the map; the largest "
-            f"inside has {largest.area:.4g} m2, e.g. at {_place(largest)}"
+            f"inside has {area_text(largest.area)} m2, e.g. at {_place(largest)}"
         )
         is_page = enclosing(environment) is not None
         return said if is_page else f"{said}; {PAGE} --start {start_in(largest)}"
     largest = inside(environment)[0]
     if here.area < largest.area:
-        said += f"; the largest has {largest.area:.4g} m2, e.g. at {_place(largest)}"
+        said += f"; the largest has {area_text(largest.area)} m2, e.g. at {_place(largest)}"
     if outside is not None and outside.area.area > here.area:
-        said += f"; that of {outside.area.area:.4g} m2 lies around others"
+        said += f"; that of {area_text(outside.area.area)} m2 lies around others"
     return said
 
 

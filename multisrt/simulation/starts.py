@@ -12,7 +12,9 @@ from numpy.random import Generator as RandomGenerator
 from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
+from multisrt.environments.area_text import area_text
 from multisrt.environments.environment import Environment
+from multisrt.environments.formats.geojson import degrees_hint
 from multisrt.environments.pieces import enclosing, inside
 from multisrt.geometry.bodies.collision import Body, body_distance
 from multisrt.geometry.bodies.footprint import Footprint
@@ -265,13 +267,16 @@ def _largest_room(environment: Environment, free: BaseGeometry, footprint: Footp
     radius = footprint.circumscribed_radius_m
     parts = [part for part in shapely.get_parts(_roomy(free, radius)) if not part.is_empty]
     if not parts:
-        around = enclosing(environment)
+        around, hint = enclosing(environment), degrees_hint(environment)
         where = f"{environment.name!r}"
         if around is not None:
-            where = f"the parts of {where} around which that of {around.area.area:.4g} m2 lies"
+            where = (
+                f"the parts of {where} around which that of {area_text(around.area.area)} m2 lies"
+            )
         raise InvalidInputError(
             f"the body {footprint} fits nowhere in {where}: it needs a clearance of "
             f"{radius:.3g} m; choose a smaller body{' or its start' * (around is not None)}"
+            f"{'; ' * bool(hint)}{hint}"
         )
     largest: Polygon = max(parts, key=lambda part: part.area)
     return largest

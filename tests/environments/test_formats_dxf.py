@@ -410,6 +410,14 @@ def test_damaged_files_are_named(tmp_path, content):
         read_environment(path, resolution_m=1.0)
 
 
+def test_a_cut_file_is_told_in_plain_words(tmp_path):
+    path = tmp_path / "plan.dxf"
+    outlined()[0].saveas(path)
+    path.write_bytes(path.read_bytes()[:3000])
+    with pytest.raises(MapFormatError, match=r"damaged DXF file: it ends too early, .*copy it"):
+        read_environment(path)
+
+
 # Damage.
 
 

@@ -1,10 +1,16 @@
 import json
+import re
 
 import pytest
 import shapely
 
+from multisrt.analysis.map_check import check_map
 from multisrt.environments.formats import read_environment
-from multisrt.geometry.errors import MapFormatError
+from multisrt.geometry.bodies.footprint import Footprint
+from multisrt.geometry.errors import InvalidInputError, MapFormatError
+from multisrt.simulation.starts import starts_of
+from multisrt.simulation.worlds import inline
+from multisrt.spec import RobotSpec, RunSpec
 
 HALL = [[0, 0], [10, 0], [10, 8], [0, 8], [0, 0]]
 BLOCK = [[4, 3], [6, 3], [6, 5], [4, 5], [4, 3]]
@@ -135,6 +141,7 @@ def test_bad_coordinate_is_placed(read, bad):
         ({"type": "Feature", "properties": 3, "geometry": polygon(HALL)}, "properties are 3"),
         ([1, 2], "expected a GeoJSON object, found a list of 2"),
         ({"type": "Topology"}, "'Topology' cannot be free"),
+        ({"a": 1}, "neither GeoJSON, .*, nor a floor plan of HouseExpo, which has"),
         ("{", r"is not JSON, line 1, column 2"),
         ("[" * 100_000, "is not GeoJSON"),
         ("1" * 5000, "is not GeoJSON|expected a GeoJSON object"),
@@ -143,6 +150,20 @@ def test_bad_coordinate_is_placed(read, bad):
 def test_fault_is_named_and_placed(read, document, message):
     with pytest.raises(MapFormatError, match=message):
         read(document)
+
+
+def test_degrees_are_suggested_where_no_body_fits(read):
+    town = read(polygon([[12.5 + x / 20, 41.9 + y / 20] for x, y in HALL]))
+    hint = "; if its coordinates are degrees, project them first: those of GeoJSON must be metres"
+    (problem,) = check_map(town, Footprint.disc(0.25)).problems
+    assert problem.endswith(hint)
+    spec = RunSpec(environment=inline(town), robots=(RobotSpec(),))
+    with pytest.raises(InvalidInputError, match=re.escape(f"choose a smaller body{hint}")):
+        starts_of(spec, town)
+    # A small body fits; metres beyond the degrees of longitude and latitude are no degrees.
+    assert not check_map(town, Footprint.disc(0.05)).problems
+    far = read(polygon([[200 + x / 20, y / 20] for x, y in HALL]))
+    assert "degrees" not in check_map(far, Footprint.disc(0.25)).problems[0]
 
 
 def test_degrees_are_refused(read):

@@ -167,7 +167,12 @@ def test_threshold_is_checked(tmp_path, threshold):
 def test_black_image_has_no_free_space(tmp_path):
     path = tmp_path / "black.png"
     Image.fromarray(np.zeros((5, 5), np.uint8)).save(path)
-    with pytest.raises(MapFormatError, match="no free space"):
+    with pytest.raises(MapFormatError, match=r"every opaque pixel is black, .* light and opaque$"):
+        read_image(path, resolution_m=1.0)
+    with pytest.raises(MapFormatError, match=r"lighter than 0\.5, .*give a lower --threshold"):
+        read_image(path, resolution_m=1.0, threshold=0.5)
+    Image.fromarray(np.zeros((5, 5, 2), np.uint8), "LA").save(path)
+    with pytest.raises(MapFormatError, match="no pixel is opaque"):
         read_image(path, resolution_m=1.0)
 
 
@@ -213,7 +218,7 @@ def test_truncated_image_is_damaged(tmp_path, name):
     Image.fromarray(noise).save(path)
     whole = path.read_bytes()
     path.write_bytes(whole[: len(whole) // 2])
-    with pytest.raises(MapFormatError, match=f"{name} is (a damaged|not an) image"):
+    with pytest.raises(MapFormatError, match=f"{name} is (a damaged|not an) image.*save it"):
         read_image(path, resolution_m=1.0)
 
 

@@ -385,7 +385,7 @@ def test_threshold_is_a_lightness(tmp_path):
     grey = '<rect width="2" height="2" fill="#cccccc"/><rect width="1" height="1"/>'
     assert wall_area(tmp_path, grey) == pytest.approx(1)
     assert wall_area(tmp_path, grey, threshold=0.9) == pytest.approx(4)
-    with pytest.raises(MapFormatError, match="leave out --threshold"):
+    with pytest.raises(MapFormatError, match=r"layers by name, .*leave out --threshold.*wall \("):
         wall_area(tmp_path, '<rect id="wall" width="1" height="1"/>', threshold=0.5)
     with pytest.raises(MapFormatError, match="threshold is 2"):
         wall_area(tmp_path, grey, threshold=2)

@@ -137,9 +137,9 @@ def read_dxf(
     except MapFormatError:
         raise
     except Exception as error:  # a damaged file makes the library raise almost anything
+        why = str(error)[:200] or "it ends too early, or parts of it are missing"
         raise MapFormatError(
-            f"{path} is a damaged DXF file: {str(error)[:200] or type(error).__name__}; "
-            "save it again"
+            f"{path} is a damaged DXF file: {why}; copy it again, or open it and save it anew"
         ) from error
     free, rule = _free_space(path, parts)
     origin = (

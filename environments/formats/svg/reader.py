@@ -18,7 +18,6 @@ from multisrt.environments.environment import Environment
 from multisrt.environments.formats.files import (
     FileStarts,
     build_environment,
-    refuse_threshold,
     require_number,
 )
 from multisrt.environments.formats.map_format import Beginning, MapFormat
@@ -128,7 +127,11 @@ def read_svg(
     shapes = list(document.drawn(page.element, page.matrix, page.viewport))
     plan = _Plan(document, page, shapes)
     if plan.has_names:
-        refuse_threshold(path, threshold)
+        if threshold is not None:
+            raise MapFormatError(
+                f"{path} has layers by name, which say what is free; leave out --threshold "
+                f"(threshold); {plan.layers}"
+            )
         free, rule = plan.free_by_names(), "walls by their names"
     else:
         level = (

@@ -55,6 +55,15 @@ def test_areas_and_what_lies_around():
     assert around(ROOMS) == ""
 
 
+def test_large_areas_are_told_in_digits():
+    park = Environment(
+        "park", shapely.union_all([shapely.box(0, 0, 600, 650), shapely.box(601, 0, 700, 200)])
+    )
+    assert areas(park) == "2 separate parts (390,000, 19,800 m2)"
+    assert "that of 19,800 m2 (5 %); the largest has 390,000 m2" in elsewhere(park, (650.0, 100.0))
+    assert "409,800 m2 free" in repr(park)
+
+
 PAGE = Environment.from_outline("page", shapely.box(0, 0, 30, 40), [WALLS])
 
 

@@ -308,7 +308,7 @@ def test_messages_lead_from_an_image_to_its_world(tmp_path):
         explore(grid)
     for function in (explore, multisrt.Stepper):
         with pytest.raises(InvalidInputError, match=f"'resolution_m': give .*{way}"):
-            function(grid, resolution_m=0.1)
+            function(grid, resolution_m=0.1)  # type: ignore[call-arg]
     with pytest.raises(InvalidInputError, match=f"'resolution_m': give .*{way}"):
         multisrt.compare([grid], ["minpos", "closest"], resolution_m=0.1)
     world = multisrt.read_environment(grid, resolution_m=0.1)

@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path, PurePosixPath
@@ -47,6 +48,11 @@ def require_file(path: Path) -> int:
     try:
         if path.is_dir():
             raise MapFormatError(f"{path} is a folder; name the map file in it")
+        if re.match(r"(https?|ftp|file):/", str(path)):
+            raise MapFormatError(
+                f"{path} is an address, and maps are read from files: download it, and name the "
+                "file"
+            )
         if not path.exists():
             raise MapFormatError(f"{path} does not exist; check the name and the folder")
         if not path.is_file():

@@ -11,7 +11,7 @@ import click
 from multisrt.cli import candidates
 from multisrt.cli.mistakes import CommandGroup, is_world
 from multisrt.cli.output_options import force_option, quiet_option
-from multisrt.cli.outputs import require_no_file, require_place, require_svg, stem_of
+from multisrt.cli.outputs import require_place, require_svg, stem_of
 from multisrt.cli.own_map import world_options
 from multisrt.cli.reach import areas, around
 from multisrt.cli.run_options import world_of_options
@@ -120,7 +120,7 @@ def show(
     if out is None:
         out = Path(f"{stem_of(environment)}.svg")
     require_svg(out)
-    require_no_file(out, force=force)
+    require_place(out, force=force)
     world = build_environment(where)
     save_environment_svg(world, out)
     if not quiet:

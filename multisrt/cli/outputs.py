@@ -109,8 +109,11 @@ def require_place(path: Path, *, force: bool) -> None:
     Raises
     ------
     InvalidInputError
-        If its folder does not exist, or something is there and was not to be replaced.
+        If its folder does not exist, the path is that of a folder, or something is there and was
+        not to be replaced.
     """
+    if path.is_dir():
+        raise InvalidInputError(f"cannot write {path}: it is a folder; name a file")
     if not path.parent.is_dir():
         raise InvalidInputError(f"cannot write {path}: there is no folder {path.parent}")
     require_no_file(path, force=force)

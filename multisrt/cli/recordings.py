@@ -84,5 +84,7 @@ def _found(path: Path) -> list[Path]:
                 f"{path} is not a recording; the recording of the run is {beside}"
             )
     if not path.exists():
-        raise InvalidInputError(f"{path}: No such file or directory")
+        raise InvalidInputError(
+            f"{path} does not exist: name the folder of a run, or the {RECORDING_NAME} in it"
+        )
     return [path]

@@ -18,7 +18,7 @@ def require_new(paths: Iterable[Path], *, overwrite: bool) -> None:
             raise InvalidInputError(f"cannot write {path}: it is a folder; name a file")
         if not overwrite and os.path.lexists(path):
             raise InvalidInputError(
-                f"{path} exists already; name another file, or allow replacing it"
+                f"{path} exists already; name another file, or replace it with overwrite=True"
             )
 
 

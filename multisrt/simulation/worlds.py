@@ -67,6 +67,8 @@ def environment_spec(
     >>> environment_spec("./office.png", resolution_m=0.05).path
     './office.png'
     """
+    if not text:
+        raise InvalidInputError("the name of the world is empty: name an environment or a map file")
     kind = "suite" if suites.is_world(text) else "catalogue" if text in names() else ""
     if kind and any(value is not None for value in (resolution_m, threshold, starts_from)):
         raise InvalidInputError(
@@ -93,6 +95,11 @@ def environment_spec(
             f"{suite.world_names[0]} to {suite.world_names[-1]}"
         )
     path = Path(text)
+    if not _exists(path) and (meant := did_you_mean(text.partition("/")[0], suites.names())):
+        raise InvalidInputError(
+            f"there is no file {text!r}, and no suite of that name{meant}; suites are: "
+            f"{', '.join(suites.names())}"
+        )
     if not _exists(path) and not path.suffix and len(path.parts) == 1:
         raise InvalidInputError(
             f"there is no environment {text!r}{did_you_mean(text, names())} and no file of that "

@@ -59,7 +59,7 @@ def test_films_are_written_by_their_suffix(call, folder, run):
         (["out", "--fps", "0", "--out", "a.gif"], "pictures a second is 0.0"),
         (["out", "--without", "walls"], "'walls' is not one of"),
         (["out", "--without", "outlines"], "'outlines' is not one of areas, paths, edges"),
-        (["none"], "none: No such file"),
+        (["none"], "none does not exist: name the folder of a run"),
         (["none", "--out", "a.webm"], "animations are files of the formats"),
         (["."], "holds no run"),
     ],

@@ -43,7 +43,7 @@ def test_environments_show_refuses_bad_paths(call, folder, out):
     before = everything(folder)
     code, _, err = call("environments", "show", "room.wkt", "--out", out)
     assert code == 2
-    assert err.startswith("error: cannot write ")
+    assert re.match("error: cannot write .*: (there is no folder|it is a folder)", err)
     assert err.count("\n") == 1
     assert everything(folder) == before
 
@@ -184,3 +184,25 @@ def test_check_and_export_take_the_starts_of_a_team(call, folder):
     assert code == 0
     assert "with all suggested starts" in out
     assert read_environment(folder / "clean.geojson").starts == (start,)
+
+
+@pytest.mark.parametrize(
+    ("world", "said"),
+    [
+        ("", "the name of the world is empty: name an environment or a map file"),
+        ("https://example.org/a.png", "is an address, and maps are read from files: download it"),
+        ("indor-30/07", "'indor-30/07', and no suite of that name (did you mean 'indoor-30'?)"),
+        ("maze-30", "'maze-30', and no suite of that name (did you mean 'mazes-30'?)"),
+        ("officee", "there is no environment 'officee' (did you mean 'office'?)"),
+        ("maps/07", "maps/07 does not exist"),
+        ("goal.scen", "line 2 names the map b.map, which is not in the folder of the map; copy it"),
+    ],
+)
+def test_worlds_that_are_not_there_are_told_plainly(call, folder, world, said):
+    (folder / "goal.scen").write_text("version 1\n0 b.map 3 2 0 1 1 0 1.4\n")
+    options = ("--resolution", "1") if world == "goal.scen" else ()
+    for command in (["environments", "show"], ["environments", "check"], ["explore"]):
+        code, out, err = call(*command, world, *options)
+        assert (code, out) == (2, "")
+        assert said in err
+        assert err.count("\n") == 1

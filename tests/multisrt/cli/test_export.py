@@ -75,7 +75,7 @@ def test_nothing_is_replaced_unless_asked_for(call, folder, run):
         (["out", "--out", "x"], "x: no suffix determines the format; run: .mcap"),
         (["out", "--out", "no/folder/x.mcap"], "cannot write no/folder/x.mcap: there is no folder"),
         (["out", "--out", "no/folder/x.rrd"], "cannot write no/folder/x.rrd: there is no folder"),
-        (["none", "--out", "x.mcap"], "none: No such file"),
+        (["none", "--out", "x.mcap"], "none does not exist: name the folder of a run"),
         (["room.wkt", "--out", "x.mcap"], "room.wkt is not a recording"),
         (["cut.jsonl", "--out", "x.mcap"], "cut.jsonl: the run was cut off"),
         (["out/run.json", "--out", "x.mcap"], "the recording of the run is out/recording.jsonl"),

@@ -75,7 +75,7 @@ def test_files_are_replaced_only_by_force(call, run, folder):
         (["activity", "out", "--style", "iee"], "(did you mean 'ieee'?)"),
         (["activity", "out", "--out", "a.jpg"], "a.jpg: figures are written as"),
         (["activity", "out", "--out", "d.csv"], "d.csv: figures are written as"),
-        (["activity", "none"], "none: No such file"),
+        (["activity", "none"], "none does not exist: name the folder of a run"),
         (["activity", "room.wkt"], "room.wkt is not a recording"),
         (["activity", "out/run.json"], "is not a recording"),
         (["activity"], "RECORDING... is missing"),

@@ -97,7 +97,7 @@ def test_too_many_runs_are_refused_before_they_are_made(call, folder):
     ("words", "named"),
     [
         ([], "RECORDING... is missing"),
-        (["none.jsonl"], "none.jsonl: No such file"),
+        (["none.jsonl"], "none.jsonl does not exist: name the folder of a run"),
         (["room.wkt"], "room.wkt is not a recording"),
         (
             ["out/run.json"],

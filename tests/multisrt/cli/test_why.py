@@ -36,7 +36,7 @@ def test_a_robot_that_was_told_its_route_decides_nothing(call):
         (["out/recording.jsonl", "--time", "1e6"], "not within the run"),
         (["out/recording.jsonl", "--time", "-1"], "not within the run"),
         (["out/recording.jsonl", "--time", "nan"], "not within the run"),
-        (["none.jsonl"], "none.jsonl: No such file"),
+        (["none.jsonl"], "none.jsonl does not exist: name the folder of a run"),
         (["room.wkt"], "room.wkt is not a recording"),
     ],
 )

@@ -45,7 +45,7 @@ def test_components_and_starts_keep_their_order(tmp_path):
 def test_what_exists_is_replaced_only_if_allowed(tmp_path):
     path = tmp_path / "rooms.wkt"
     path.write_text("precious")
-    with pytest.raises(ms.InvalidInputError, match="exists already"):
+    with pytest.raises(ms.InvalidInputError, match=r"exists already; .* overwrite=True"):
         save_environment(TWO_ROOMS, path)
     assert path.read_text() == "precious"
     save_environment(TWO_ROOMS, path, overwrite=True)

@@ -16,7 +16,6 @@ MIN_INSIDE = 0.5
 Closed rooms and hollow walls have less inside.
 """
 
-
 MIN_BORDER_SHARE = 0.9
 """Minimum share of the border of the map along which a part lies that may be a page."""
 
@@ -25,7 +24,6 @@ MIN_ROOMS_M2 = 4.0
 
 ROOM_RADIUS_M = 0.25
 """Radius of the disc that fits into each of these parts, in metres: that of the default body."""
-
 
 PLACE_PRECISION = 1e-4
 """Precision of the place with the most room, as a share of the length of the boundary."""
@@ -102,11 +100,9 @@ def enclosing(environment: Environment) -> Enclosing | None:
     found = []
     for piece in environment.components:
         if piece.interiors and any(a == b for a, b in zip(piece.bounds, border, strict=True)):
-            outline = Polygon(piece.exterior)
-            shapely.prepare(outline)
-            inside = [p for p in pieces(environment) if p is not piece and outline.contains(p)]
-            if sum(p.area for p in inside) >= MIN_INSIDE * piece.area:
-                found.append(Enclosing(piece, tuple(inside)))
+            enclosed = _enclosed_by(piece, environment)
+            if sum(p.area for p in enclosed) >= MIN_INSIDE * piece.area:
+                found.append(Enclosing(piece, enclosed))
     return max(found, key=lambda one: sum(p.area for p in one.inside), default=None)
 
 
@@ -176,19 +172,21 @@ def surrounding(environment: Environment) -> Enclosing | None:
             continue
         if border.intersection(piece.exterior).length < MIN_BORDER_SHARE * border.length:
             continue
-        outline = Polygon(piece.exterior)
-        shapely.prepare(outline)
         rooms = [
             part
-            for part in pieces(environment)
-            if part is not piece
-            and part.area > math.pi * ROOM_RADIUS_M**2
-            and outline.contains(part)
-            and not part.buffer(-ROOM_RADIUS_M).is_empty
+            for part in _enclosed_by(piece, environment)
+            if part.area > math.pi * ROOM_RADIUS_M**2 and not part.buffer(-ROOM_RADIUS_M).is_empty
         ]
         if sum(room.area for room in rooms) > MIN_ROOMS_M2:
             return Enclosing(piece, tuple(rooms))
     return None
+
+
+def _enclosed_by(piece: Polygon, environment: Environment) -> tuple[Polygon, ...]:
+    """Return the other components within the outer ring of a component, the largest first."""
+    outline = Polygon(piece.exterior)
+    shapely.prepare(outline)
+    return tuple(p for p in pieces(environment) if p is not piece and outline.contains(p))
 
 
 def start_in(part: Polygon) -> str:

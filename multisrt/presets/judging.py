@@ -26,6 +26,7 @@ from multisrt.presets.words import (
     family_line,
     method_line,
     power_line,
+    range_line,
     would_show,
 )
 from multisrt.reporting.claims import Claim, PrintedTable, Verdict
@@ -129,6 +130,7 @@ def judge(
     if whole is not None:
         grounds.append(_family_lines(family, whole, sides))
         grounds.append(count_line(findings, so, otherwise))
+        grounds += filter(None, [range_line(findings, sides)])
     if limit is not None:
         grounds.append(power_line(limit, family.quantity) + where)
     if not comparisons:

@@ -40,8 +40,7 @@ NOT_IN_EVERY_STEP = {
     for time, until in TIMES.items()
 }
 DISTANCE_GROWS = {
-    UNLIMITED: "With an unlimited radio the total distance grows with the number of robots, as "
-    "more robots support others.",
+    UNLIMITED: "With an unlimited radio the total distance grows with the number of robots.",
     LIMITED: f"With a radio of {LIMITED} the total distance grows with the number of "
     "robots as well.",
 }
@@ -128,19 +127,27 @@ def radial_is_better(cells: Cells, measure: Measure) -> Judged:
 def _growing(
     cells: Cells, measure: Measure, starts: tuple[str, ...], *, larger_is_lower: bool = False
 ) -> Family:
-    """Return the comparisons of neighbouring team sizes."""
-    return Family(
-        comparisons=[
+    """Return the comparisons of neighbouring team sizes; each kind of starts is a part."""
+    by_starts = {
+        how: [
             cells.compared(
                 (f"{how}: " if len(starts) > 1 else "") + _step(small, large),
                 lower=large if larger_is_lower else small,
                 higher=small if larger_is_lower else large,
                 measure=measure,
             )
-            for how in starts
             for small, large in _steps(cells, how)
-        ],
+        ]
+        for how in starts
+    }
+    return Family(
+        comparisons=[step for steps in by_starts.values() for step in steps],
         quantity=measure,
+        parts={
+            f"{how} starts": Family(comparisons=steps, quantity=measure)
+            for how, steps in by_starts.items()
+            if len(starts) > 1
+        },
     )
 
 

@@ -57,24 +57,26 @@ LEFT: Final = tuple(
 )
 
 DISTANCE: Final = replace(measure_named("total_distance_m"), lower_is_better=False)
+STOPS: Final = replace(measure_named("protective_stops"), lower_is_better=False)
 
 
 def diagram_table(cells: Cells) -> PrintedTable:
-    """Return the table of how often robots left the nearness diagram to follow their path."""
+    """Return the table of how often robots left the nearness diagram, and had to stop."""
     rows = []
     for choice in STRATEGIES:
         places = [at for at in cells.conditions() if at.strategy == choice.name]
         run_m = _total(cells, places, DISTANCE)
         if run_m > 0.0:
-            counts = [_total(cells, places, measure) for measure in LEFT]
+            counts = [_total(cells, places, measure) for measure in (*LEFT, STOPS)]
             rows.append((choice.name, *(number(100.0 * count / run_m, 1) for count in counts)))
     return PrintedTable(
-        title="Drives finished by following the path (per 100 m)",
+        title="Drives finished by following the path, and protective stops (per 100 m)",
         source="Smooth Nearness Diagram",
-        columns=("strategy", *REASONS),
+        columns=("strategy", *REASONS, "protective stops"),
         rows=tuple(rows),
-        note="How often the nearness diagram was left for the rest of a drive, by reason, over all "
-        "runs of a strategy in the tables.",
+        note="How often the nearness diagram was left for the rest of a drive, by reason, and how "
+        "often a protective stop ended a motion before another body, over all runs of a strategy "
+        "in the tables.",
     )
 
 

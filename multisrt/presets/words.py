@@ -108,6 +108,28 @@ def count_line(findings: Sequence[Finding], so: str, otherwise: str) -> str:
     )
 
 
+def range_line(findings: Sequence[Finding], sides: Sides) -> str | None:
+    """Return the sentence on the differences of medians in single cells; None for one cell.
+
+    The ratio of a family is one for all of its cells. This tells how far these are apart.
+    """
+    shares = []
+    for finding in findings:
+        lower, higher = (float(median(np.array(side))) for side in finding.comparison.sides)
+        if math.isfinite(lower) and math.isfinite(higher) and higher > 0.0:
+            shares.append(100.0 * (lower / higher - 1.0))
+    if len(shares) < 2:
+        return None
+    left_out = len(findings) - len(shares)
+    return (
+        f"in single cells the median of {sides[0]} differs from that of {sides[1]} by "
+        f"{min(shares):+.1f} to {max(shares):+.1f} %, in the middle one by "
+        f"{float(np.median(shares)):+.1f} %"
+        + f" ({left_out} cells without a ratio left out)"
+        * bool(left_out)
+    )
+
+
 def method_line(findings: Sequence[Finding]) -> str:
     """Return the sentence on the tests of the cells."""
     names = {False: "Mann-Whitney's test", True: "Wilcoxon's signed-rank test on pairs"}

@@ -13,8 +13,11 @@ import numpy as np
 
 from multisrt.geometry.numerics.arrays import FloatArray, IntArray
 
-MAX_EXACT = 50
-"""Number of values that are arranged up to which counts are exact in double precision."""
+MAX_EXACT = 64
+"""Number of values up to which arrangements are counted, in double precision.
+
+Two samples of 32 are at this bound. Counts above 2^53 are rounded, which no p-value shows.
+"""
 
 
 def doubled_ranks(values: FloatArray) -> IntArray:

@@ -1,8 +1,8 @@
 """Rank tests of two sets of runs, Holm's correction, and the marks of a table.
 
 The tests are two-sided. Up to `MAX_EXACT` runs in both samples together, or pairs that differ,
-they are exact: scipy's without ties, and with ties by counting the arrangements of the ranks.
-Beyond that they are scipy's normal approximations, which account for ties.
+they are exact, with or without ties, by counting the arrangements of the ranks. Beyond that they
+are scipy's normal approximations, which account for ties.
 """
 
 from __future__ import annotations
@@ -77,25 +77,18 @@ def unpaired(a: ArrayLike, b: ArrayLike) -> RankTest:
     """
     of_a, of_b = sample_of(a, "a"), sample_of(b, "b")
     pooled = np.concatenate([of_a, of_b])
-    # Ranks instead of values: the test is the same, and infinite values do no harm.
-    ranks = stats.rankdata(pooled)
     a_lower = share_of_wins(of_a, of_b)
     if np.all(pooled == pooled[0]):
         return RankTest(p_value=1.0, a_lower=a_lower)
-    small = pooled.size <= MAX_EXACT
-    if small and _has_ties(pooled):
-        doubled = doubled_ranks(pooled)
-        ways = ways_of_choosing(doubled, of_a.size)
-        p_value = two_sided(ways, int(doubled[: of_a.size].sum()))
+    # Ranks instead of values: the test is the same, and infinite values do no harm.
+    ranks = doubled_ranks(pooled)
+    of_first, of_second = ranks[: of_a.size], ranks[of_a.size :]
+    if pooled.size <= MAX_EXACT:
+        ways = ways_of_choosing(ranks, of_first.size)
+        p_value = two_sided(ways, int(of_first.sum()))
     else:
-        p_value = float(
-            stats.mannwhitneyu(
-                ranks[: of_a.size],
-                ranks[of_a.size :],
-                alternative="two-sided",
-                method="exact" if small else "asymptotic",
-            ).pvalue
-        )
+        test = stats.mannwhitneyu(of_first, of_second, method="asymptotic")
+        p_value = float(test.pvalue)
     return RankTest(p_value=p_value, a_lower=a_lower)
 
 
@@ -134,15 +127,13 @@ def paired(a: ArrayLike, b: ArrayLike) -> RankTest:
     if not differ.any():
         return RankTest(p_value=1.0, a_lower=0.5)
     differences = of_b[differ] - of_a[differ]
-    sizes = np.abs(differences)
-    ranks = stats.rankdata(sizes)
+    ranks = doubled_ranks(np.abs(differences))
     a_is_lower = differences > 0.0
-    if sizes.size <= MAX_EXACT and _has_ties(sizes):
-        doubled = doubled_ranks(sizes)
-        p_value = two_sided(ways_of_signing(doubled), int(doubled[a_is_lower].sum()))
+    if ranks.size <= MAX_EXACT:
+        p_value = two_sided(ways_of_signing(ranks), int(ranks[a_is_lower].sum()))
     else:
-        # scipy chooses the exact distribution up to fifty pairs without ties.
-        p_value = float(stats.wilcoxon(np.where(a_is_lower, ranks, -ranks)).pvalue)
+        signed = np.where(a_is_lower, ranks, -ranks)
+        p_value = float(stats.wilcoxon(signed, method="asymptotic").pvalue)
     return RankTest(p_value=p_value, a_lower=float(ranks[a_is_lower].sum() / ranks.sum()))
 
 
@@ -246,7 +237,3 @@ def mark(
     if test.p_value >= significance or test.a_lower == 0.5:
         return ""
     return "+" if (test.a_lower > 0.5) == lower_is_better else "-"
-
-
-def _has_ties(values: FloatArray) -> bool:
-    return np.unique(values).size < values.size

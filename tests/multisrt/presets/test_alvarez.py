@@ -6,6 +6,7 @@ from multisrt.presets import alvarez
 from multisrt.presets.alvarez_ablations import ABLATIONS
 from multisrt.presets.alvarez_experiment import (
     DISTANCE_FALLS,
+    HOME,
     MIN_SUCCESS,
     TIME_FALLS,
     experiment,
@@ -91,7 +92,8 @@ def test_claims_of_alvarez_that_hold():
     assert "560 of 560 runs succeed" in found[0].grounds[0]
     # Table 4.1, b (T): from scenario 10 to scenario 18.
     assert "the thesis's -0.920 to -0.729, -0.862 on average" in found[1].grounds[1]
-    assert "10 of ours lie between -1.02 and -0.7" in found[1].grounds[1]
+    assert "10 of ours lie between these bounds" in found[1].grounds[1]
+    assert "by its bounds for 99 % of all cases, -1.02 and -0.7 (our" in found[1].grounds[0]
     assert "on 0 of 10 maps" in found[1].grounds[2]
 
 
@@ -120,7 +122,7 @@ def test_exponents_off_in_one_direction_do_not_hold(off):
 def test_within_the_widest_band_is_not_as_printed():
     # All distances fall by -0.8, which lies between the bounds of 99 % of all cases.
     found = alvarez.claims(results_of(FULL_ALVAREZ, laws(-0.862, -0.8)))
-    assert "10 of ours lie between -1.42 and -0.74" in found[2].grounds[1]
+    assert "10 of ours lie between these bounds" in found[2].grounds[1]
     assert found[2].verdict == "does not hold"
     assert "10 of 10 are weaker than printed" in found[2].grounds[0]
 
@@ -204,7 +206,26 @@ def test_exponents_without_the_mazes_are_given_beside():
     (line,) = [ground for ground in time.grounds if "without the 3 maps" in ground]
     assert line.endswith("over 7 maps")
     # The mean of ten is 0.09, that of the seven others 0.
-    assert abs(float(line.split(": ")[1].split()[0])) < 0.01
+    assert time.verdict == "not significant"
+    assert abs(float(line.split("; ")[1].split()[0])) < 0.01
+    assert time.other_verdicts == (
+        ("without the 3 maps chosen after single runs", "holds"),
+        (HOME.heading, "not significant"),
+    )
+
+
+def test_exponents_of_the_time_until_all_are_done_are_judged_beside():
+    def values(at: Condition, repetition: int) -> dict[str, object]:
+        found = printed_plus(0.0, 0.0)(at, repetition)
+        # All are done so much later that it falls by an exponent 0.3 weaker.
+        return found | {"makespan_s": found["known_complete_s"] * at.robots**0.3}
+
+    time, distance = alvarez.claims(results_of(FULL_ALVAREZ, values))[1:3]
+    assert time.verdict == "holds"
+    assert time.other_verdicts[1] == (HOME.heading, "does not hold")
+    assert any(line.startswith(f"{HOME.heading}: does not hold; +0.30") for line in time.grounds)
+    # A distance has nothing beside it.
+    assert [name for name, _ in distance.other_verdicts] == [time.other_verdicts[0][0]]
 
 
 def test_alvarez_beside_table_4_1():

@@ -243,3 +243,16 @@ def test_grounds_give_the_numbers():
         ("in pairs", "", "", "6 repetitions", "0.031", "", "for"),
         ("there", "3.5", "13.5", "6", "0.002", "1.00", "for"),
     )
+
+
+def test_differences_in_single_cells_are_told_beside_that_of_the_family():
+    halves = compared([1, 2, 3, 4, 5, 6], [2, 4, 6, 8, 10, 12])
+    equal = compared([2, 3, 4, 5, 6, 7], [2, 3, 4, 5, 6, 7])
+    lost = compared([1, 2, 3, 4, 5, 6], [math.inf] * 6)
+    found = judged_gains(halves, equal, lost).claim.grounds
+    assert any(
+        line == "in single cells the median of tortoise differs from that of hare by -50.0 to "
+        "+0.0 %, in the middle one by -25.0 % (1 cells without a ratio left out)"
+        for line in found
+    ), found
+    assert not any("in single cells" in line for line in judged_gains(halves).claim.grounds)

@@ -86,6 +86,9 @@ def test_the_distance_is_judged_by_radio():
     assert lines
     assert all("15 m radio" in line for line in lines)
     assert "only used when an unlimited communication range is handled" in unlimited.source
+    # Scattered and clustered starts are told apart.
+    parts = unlimited.grounds[0].split("\n  - ")[1:]
+    assert [part.split(":")[0] for part in parts] == ["scattered starts", "clustered starts"]
 
 
 def ablated(coverage: float) -> Results:

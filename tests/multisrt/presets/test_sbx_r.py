@@ -197,14 +197,18 @@ def test_too_few_runs_have_no_marks():
 def test_the_nearness_diagram_is_left_so_often_in_100_m():
     def values(at, repetition):
         left = {"no progress": 2, "no command": 1} if at.strategy == "utility" else {}
-        return {"diagram_left": left, "total_distance_m": 50.0}
+        stops = 3 if at.strategy == "closest" else 0
+        return {"diagram_left": left, "total_distance_m": 50.0, "protective_stops": stops}
 
     table = diagram_table(
         Cells(results_of(msgspec.structs.replace(FULL_SBX, repetitions=2), values))
     )
-    assert table.columns == ("strategy", "no progress", "no command", "near the goal")
+    assert table.columns[1:] == (
+        *("no progress", "no command", "near the goal"),
+        "protective stops",
+    )
     assert table.rows == (
-        ("closest", "0.0", "0.0", "0.0"),
-        ("utility", "4.0", "2.0", "0.0"),
-        ("self-bidding", "0.0", "0.0", "0.0"),
+        ("closest", "0.0", "0.0", "0.0", "6.0"),
+        ("utility", "4.0", "2.0", "0.0", "0.0"),
+        ("self-bidding", "0.0", "0.0", "0.0", "0.0"),
     )

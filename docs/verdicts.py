@@ -23,12 +23,12 @@ EARLIER = "Made by an earlier version of this experiment"
 
 HEADS = {
     "does not hold": "Does not hold",
-    "not significant": "Not significant",
+    "inconclusive": "Inconclusive",
     "not tested": "Not tested",
 }
 
 MAX_NAMED = 3
-"""Upper bound of the claims of a paper that are named where they are not significant."""
+"""Upper bound of the claims of a paper that are named where they are inconclusive."""
 
 
 class Judged(NamedTuple):

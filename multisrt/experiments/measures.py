@@ -128,7 +128,7 @@ def _ratio(above: float | None, below: float) -> float | None:
 
 MEASURES = (
     _measure("time_to_95_s", "Time to 95 % coverage", "s"),
-    _measure("known_complete_s", "Time until a robot knows the map complete", "s"),
+    _measure("known_complete_s", "Time until one robot's map is complete", "s"),
     _measure("makespan_s", "Time until all are done", "s"),
     _measure("total_distance_m", "Distance of all robots", "m"),
     _measure(

@@ -18,7 +18,7 @@ import numpy as np
 from multisrt.experiments.crossing import Condition, conditions
 from multisrt.experiments.measures import Measure
 from multisrt.experiments.results import Result, Results
-from multisrt.experiments.spec import Block, ExperimentSpec, StrategyChoice
+from multisrt.experiments.spec import Block, ExperimentSpec, StartsChoice, StrategyChoice
 from multisrt.presets.cells import Cells, Comparison, Family
 from multisrt.presets.findings import weigh_family
 from multisrt.presets.words import number, p_text
@@ -76,6 +76,18 @@ class Ablation:
     changed: Block
     is_quick: bool = True
 
+    @property
+    def setting(self) -> str:
+        """What is set in the place of the experiment's choice, as it is written in a file."""
+        changed = [
+            (name, before, after)
+            for name in Block.__struct_fields__
+            if (before := getattr(self.base, name)) != (after := getattr(self.changed, name))
+        ]
+        return "; ".join(
+            text for name, before, after in changed for text in _settings(name, before, after)
+        )
+
     def pairs(self, experiment: ExperimentSpec) -> list[tuple[Condition, Condition]]:
         """Return each condition without the change, and the same one with it.
 
@@ -106,6 +118,33 @@ def with_options(
         label=f"{choice.label or choice.name}, {change}",
         options={**choice.options, **options},
     )
+
+
+def _settings(name: str, before: Sequence[object], after: Sequence[object]) -> list[str]:
+    """Return what a choice of a block is set to; of strategies, their options that differ."""
+    if name != "strategies":
+        return [f"{name} = {', '.join(map(_written, after))}"]
+    found = []
+    for old, new in zip(map(_as_choice, before), map(_as_choice, after), strict=True):
+        if old.name != new.name:
+            found.append(f"{new.name} in the place of {old.name}")
+        found += [
+            f"{option} = {_written(value)}"
+            for option, value in new.options.items()
+            if old.options.get(option) != value
+            if old.name == new.name or option not in old.options
+        ]
+    return [*dict.fromkeys(found)]
+
+
+def _as_choice(strategy: object) -> StrategyChoice:
+    return strategy if isinstance(strategy, StrategyChoice) else StrategyChoice(name=str(strategy))
+
+
+def _written(value: object) -> str:
+    if isinstance(value, StartsChoice):
+        return f"{value.how}, drawn" if value.first == "drawn" else value.how
+    return str(value).lower() if isinstance(value, bool) else str(value)
 
 
 OwnTables = Callable[[Cells, Sequence[Ablation]], list[PrintedTable]]

@@ -63,12 +63,11 @@ DEVIATIONS = (
     Deviation(
         "Mazes were chosen after single runs on them had been looked at: their numbers of cells "
         "and loops are such that the path of a single robot is about as long as printed "
-        "(coefficient a of the distance), up to one and a half times. P-values and intervals do "
-        "not account for this choice. They are those of maps that were fixed beforehand, which "
-        "the three mazes were not: the length of a single robot's path is a point of the curves "
-        "to which exponents are fitted, so that the choice may have moved the exponents of the "
-        "mazes, in a direction that is not known, and with them the mean over maps. The grounds "
-        "of the claims on exponents therefore give the mean without the mazes as well. P-values "
+        "(coefficient a of the distance), up to one and a half times. P-values and intervals "
+        "assume maps that were fixed beforehand. For the three mazes this is not so: the length "
+        "of a single robot's path is a point of the curves to which exponents are fitted, so that "
+        "their exponents, and the mean over maps, may be biased in a direction that is not known. "
+        "Verdicts without the mazes are therefore given beside. P-values "
         "of the claims on twice as many robots are about repetitions on these maps as they are, "
         "and the interval of the success rate about such runs; neither says anything of mazes "
         "that were not chosen so."
@@ -99,11 +98,12 @@ DEVIATIONS = (
         (RANDOM_STARTS,),
     ),
     Deviation(
-        f"Success: the team ended with a complete map and saw {100 * COVERED:g} % of the "
+        f"Success: the team ended with a complete map and covered {100 * COVERED:g} % of the "
         "explorable area. The thesis does not define success. Means are over successful runs."
     ),
     Deviation(
-        "Rescues that the thesis's algorithm does not have, so that success is that of ours: a "
+        "Recovery behaviours that the thesis's algorithm does not have: the success rate is that "
+        "of the algorithm with them. A "
         "robot waits for others only a limited number of times, and then drives on until the "
         "protective stop, after which robots ask each other to give way; one that could not drive "
         "to three goals in a row goes to a random place, which the thesis proposes as future work "
@@ -111,13 +111,13 @@ DEVIATIONS = (
         (NO_RANDOM_GOALS, WAITS_WITHOUT_END),
     ),
     Deviation(
-        "Two more rescues, which cannot be switched off: where no unexplored cell can be reached "
-        "and a frontier is left, the nearest frontier is the goal; and a cell counts as "
+        "Two more recovery behaviours, which cannot be switched off: where no unexplored cell can "
+        "be reached and a frontier is left, the nearest frontier is the goal; and a cell counts as "
         "inaccessible once all robots that are present found it so, where the thesis asks the "
         "whole team."
     ),
     Deviation(
-        "Scores: the search for goals ends when it has found unexplored cells to the number of 5 % "
+        "Scores: the search for goals ends when it has found as many unexplored cells as 5 % "
         "of all cells of the known rectangle (Algorithm 2; the text of the thesis has 5 % of the "
         "unexplored cells); the turn is the smaller one of the two, at most 180 degrees; the term "
         "of the others' goals is the sum over them, where Equation 3.4 leaves open which one it "
@@ -129,7 +129,7 @@ DEVIATIONS = (
         "by default."
     ),
     Deviation(
-        "Time: until a robot knows the map complete. The claims on times are judged by the time "
+        "Time: until one robot's map is complete. The claims on times are judged by the time "
         "until all are done as well, and both are shown."
     ),
     Deviation(
@@ -200,15 +200,15 @@ def succeeds(found: list[Outcome]) -> Claim:
             f"{good} of {runs} runs succeed: {100 * share.value:.1f} % (interval "
             f"{100 * share.low:.1f} to {100 * share.high:.1f} %, Wilson); by map "
             f"{min(rates):.1f} to {max(rates):.1f} %",
-            "this is success with rescues that the thesis's algorithm does not have; the "
-            "differences from its experiment list them",
+            "this is success with recovery behaviours that the thesis's algorithm does not have; "
+            "the differences from its experiment list them",
         ]
         if share.high < least:
             decision = "does not hold"
         elif wilson(runs, runs).low < least:
             grounds.append("too few runs: even without a failure the interval would reach below")
         else:
-            decision = "holds" if share.low >= least else "not significant"
+            decision = "holds" if share.low >= least else "inconclusive"
     would_show = "" if decision == "not tested" else _sufficient(runs, least)
     return Claim(
         text=SUCCEEDS,
@@ -223,7 +223,7 @@ def _sufficient(runs: int, least: float) -> str:
     enough = next((k for k in range(runs + 1) if wilson(k, runs).low >= least), None)
     if enough is None:
         return "no rate would have sufficed in so few runs"
-    return f"a rate of {100.0 * enough / runs:.1f} % would have sufficed"
+    return f"{enough} of {runs} successful runs would have sufficed"
 
 
 def _doublings(results: Results) -> list[Judged]:

@@ -52,7 +52,8 @@ HARDEST = tuple(scenario for scenario in SCENARIOS if scenario.number in (1, 18)
 """The least area for each robot, and the densest obstacles with the lowest printed success."""
 
 RESCUES = Topic(
-    title=f"What rescues bring: {', '.join(one.label for one in HARDEST)}, {TEAMS[-1]} robots",
+    title=f"What recovery behaviours bring: {', '.join(one.label for one in HARDEST)}, "
+    f"{TEAMS[-1]} robots",
     measures=(TIME, HOME, measure_named("protective_stops")),
     claims=(SUCCEEDS,),
 )

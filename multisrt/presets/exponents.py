@@ -131,8 +131,7 @@ def falls_as_printed(what: Quantity, maps: Sequence[Laws]) -> Claim:
                 for name, other, count in others
             ),
         ),
-        would_show=f"a mean difference of {apart.high - apart.value:.3f} would have been "
-        "significant",
+        would_show=f"known to ±{apart.high - apart.value:.3f}; the margin is ±{what.margin:.3f}",
         other_verdicts=tuple((name, _verdict(other, what.margin)) for name, other, _ in others),
     )
 
@@ -162,7 +161,7 @@ def _other_choices(
 def _verdict(apart: Interval, margin: float) -> Verdict:
     if -margin <= apart.low and apart.high <= margin:
         return "holds"
-    return "does not hold" if apart.low > 0.0 or apart.high < 0.0 else "not significant"
+    return "does not hold" if apart.low > 0.0 or apart.high < 0.0 else "inconclusive"
 
 
 def _grounds(what: Quantity, fits: Sequence[Fit], apart: Interval) -> tuple[str, ...]:
@@ -177,7 +176,8 @@ def _grounds(what: Quantity, fits: Sequence[Fit], apart: Interval) -> tuple[str,
         f"deviation of the thesis's exponents, by its bounds for 99 % of all cases, {low:g} and "
         f"{high:g} (our choice: the thesis compares no exponents)",
         f"ours are {_span(values)}; the thesis's {_span([one.printed for one, _ in fits])}; "
-        f"{sum(low <= value <= high for value in values)} of ours lie between these bounds",
+        f"{sum(low <= value <= high for value in values)} of ours lie within the thesis's bounds, "
+        f"{low:g} to {high:g}",
         f"simultaneous intervals exclude the printed exponent on {against} of {len(fits)} maps; "
         "agreement map by map is not to be expected, as ours are not the maps of the thesis: "
         f"the exponents correlate at r = {_correlation(fits):.2f}, and their differences have a "

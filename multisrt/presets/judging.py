@@ -55,7 +55,7 @@ def verdict(family: Saying, cells: Sequence[Saying], scope: Scope) -> Verdict:
     - "mostly": holds if the family supports it; does not hold if the family contradicts it.
     - "somewhere": holds if any cell supports it; does not hold if all cells contradict it.
 
-    Otherwise the verdict is "not significant".
+    Otherwise the verdict is "inconclusive".
 
     Examples
     --------
@@ -66,11 +66,11 @@ def verdict(family: Saying, cells: Sequence[Saying], scope: Scope) -> Verdict:
     if scope == "somewhere":
         if "for" in cells:
             return "holds"
-        return "does not hold" if cells and set(cells) == {"against"} else "not significant"
+        return "does not hold" if cells and set(cells) == {"against"} else "inconclusive"
     if scope == "always" and "against" in cells:
         return "does not hold"
     if family == "nothing":
-        return "not significant"
+        return "inconclusive"
     return "holds" if family == "for" else "does not hold"
 
 
@@ -128,9 +128,9 @@ def judge(
     where = " in one cell" * (scope == "somewhere")
     grounds = []
     if whole is not None:
-        grounds.append(_family_lines(family, whole, sides))
-        grounds.append(count_line(findings, so, otherwise))
-        grounds += filter(None, [range_line(findings, sides)])
+        # A claim on one cell among others says nothing of all of them.
+        grounds += [] if scope == "somewhere" else [_family_lines(family, whole, sides)]
+        grounds += _cell_lines(findings, so, otherwise, sides)
     if limit is not None:
         grounds.append(power_line(limit, family.quantity) + where)
     if not comparisons:
@@ -142,14 +142,20 @@ def judge(
         grounds.append(f"{missing} of {len(comparisons)} comparisons have no runs yet")
     if findings:
         grounds.append(method_line(findings))
-    others: list[tuple[str, Verdict]] = []
-    if beside is not None:
-        other = weigh_family(beside)
-        if other is not None:
-            verdict_beside = _decide(beside, other, weigh(beside.comparisons), scope)
-            others.append((beside.quantity.heading, verdict_beside))
-            lines = _family_lines(beside, other, sides)
-            grounds.append(f"{beside.quantity.heading}: {verdict_beside}; {lines}")
+    others = _verdicts_of_parts(family, decided)
+    if beside is not None and (other := weigh_family(beside)) is not None:
+        name = beside.quantity.heading
+        findings_beside = weigh(beside.comparisons)
+        verdict_beside = _decide(beside, other, findings_beside, scope)
+        others.append((name, verdict_beside))
+        others += [
+            (f"{name}, {part}", of) for part, of in _verdicts_of_parts(beside, verdict_beside)
+        ]
+        lines = (
+            _family_lines(beside, other, sides),
+            *_cell_lines(findings_beside, so, otherwise, sides),
+        )
+        grounds.append("\n  - ".join((f"{name}: {verdict_beside}", *lines)))
     shown = (
         findings if len(findings) <= MAX_SHOWN else [f for f in findings if f.saying == "against"]
     )
@@ -163,7 +169,7 @@ def judge(
             would_show="" if limit is None else would_show(limit) + where,
             other_verdicts=tuple(others),
         ),
-        table=cells_table(text, whole, findings, quantity, sides),
+        table=cells_table(text, None if scope == "somewhere" else whole, findings, quantity, sides),
     )
 
 
@@ -175,6 +181,24 @@ def _family_lines(family: Family, whole: FamilyFinding, sides: Sides) -> str:
         if (found := weigh_family(part)) is not None
     ]
     return "\n  - ".join((family_line(whole, sides), *parts))
+
+
+def _cell_lines(findings: Sequence[Finding], so: str, otherwise: str, sides: Sides) -> list[str]:
+    """Return the sentences on how many cells support a claim, and how far they are apart."""
+    if len(findings) < 2:
+        return []
+    spread = range_line(findings, sides)
+    return [count_line(findings, so, otherwise), *([] if spread is None else [spread])]
+
+
+def _verdicts_of_parts(family: Family, decided: Verdict) -> list[tuple[str, Verdict]]:
+    """Return the verdicts by the parts of a family that differ from that by all of it."""
+    found = []
+    for name, part in family.parts.items():
+        by_part = _decide(part, weigh_family(part), (), "mostly")
+        if by_part != decided:
+            found.append((name, by_part))
+    return found
 
 
 def _decide(

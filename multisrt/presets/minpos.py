@@ -192,7 +192,7 @@ def before_greedy(both: BothTimes) -> Claim:
     found, beside = (times.family_gain(times.places, MINPOS, GREEDY) for times in both)
     verdict: Verdict = "not tested"
     if found is not None:
-        verdict = "holds" if found.low > 0.0 else "not significant"
+        verdict = "holds" if found.low > 0.0 else "inconclusive"
         verdict = "does not hold" if found.high < 0.0 else verdict
     return Claim(
         text=BEFORE_GREEDY,

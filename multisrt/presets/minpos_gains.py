@@ -261,7 +261,7 @@ def reaches(found: Interval | None, printed: float) -> Verdict:
         return "not tested"
     if found.high < printed:
         return "does not hold"
-    return "holds" if found.low > 0.0 else "not significant"
+    return "holds" if found.low > 0.0 else "inconclusive"
 
 
 def rule(printed: float) -> str:

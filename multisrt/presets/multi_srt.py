@@ -130,7 +130,7 @@ DEVIATIONS = (
     Deviation(
         "Time: the paper does not define its exploration time. Its explorations end at the roots "
         "(section 2), so that the time until all robots are home is the likely one; each claim on "
-        "times is judged by the time until a robot knows the map complete as well."
+        "times is judged by the time until one robot's map is complete as well."
     ),
     Deviation(
         "The paper averages 20 runs and shows curves only: there are no printed figures for "
@@ -201,7 +201,7 @@ def no_collision(results: Results) -> Claim:
     would_show = ""
     if measured:
         share = 1.0 - (1.0 - POWER) ** (1.0 / len(measured))
-        would_show = f"{100.0 * share:.2g} % of bad runs would have been detected"
+        would_show = f"a collision in {100.0 * share:.2g} % of runs would have been detected"
     return Claim(
         text="The motion of the team is free of collisions.",
         source="Multi-SRT, section 3 ('guarantees that the collective motion of the robots is "

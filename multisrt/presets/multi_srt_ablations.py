@@ -93,7 +93,7 @@ def beside(cells: Cells) -> dict[str, list[Claim]]:
     """Return the claims on larger teams as judged by runs with a change.
 
     They are those in the garden with `RADIAL` and an unlimited radio. With the paper's planner
-    alone no robot knows its map complete, so that the time is that until all are home. Without
+    alone no robot knows its map complete, so that the time is that until all are done. Without
     support the distance should not grow, if support is the reason.
     """
     alone, unsupported = (_with(cells, change) for change in (PAPERS_PLANNER_ALONE, NONE_SUPPORTED))

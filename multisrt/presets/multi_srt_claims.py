@@ -24,7 +24,7 @@ LIMITED_RADIO = RadioChoice(range_m=RADIO_RANGE_M, label=LIMITED)
 TIME, KNOWN = measure_named("makespan_s"), measure_named("known_complete_s")
 """The times by which claims are judged: one or the other is the paper's exploration time."""
 
-TIMES = {TIME: "until all are home", KNOWN: "until a robot knows the map complete"}
+TIMES = {TIME: "until all are done", KNOWN: "until one robot's map is complete"}
 """Both of them, as claims name them."""
 
 DISTANCE = measure_named("total_distance_m")
@@ -36,12 +36,12 @@ TIME_FALLS = {
     for time, until in TIMES.items()
 }
 NOT_IN_EVERY_STEP = {
-    time: f"With clustered starts the time {until} does not fall in every step as the team grows."
+    time: f"With clustered starts there is a step in team size at which the time {until} rises."
     for time, until in TIMES.items()
 }
 DISTANCE_GROWS = {
     UNLIMITED: "With an unlimited radio the total distance grows with the number of robots.",
-    LIMITED: f"With a radio of {LIMITED} the total distance grows with the number of "
+    LIMITED: f"With a radio range of {LIMITED} the total distance grows with the number of "
     "robots as well.",
 }
 """By radio: the paper names none, and its reason exists with the unlimited one only."""
@@ -127,25 +127,28 @@ def radial_is_better(cells: Cells, measure: Measure) -> Judged:
 def _growing(
     cells: Cells, measure: Measure, starts: tuple[str, ...], *, larger_is_lower: bool = False
 ) -> Family:
-    """Return the comparisons of neighbouring team sizes; each kind of starts is a part."""
-    by_starts = {
-        how: [
-            cells.compared(
+    """Return the comparisons of neighbouring team sizes.
+
+    With several kinds of starts each is a part, without and with the step from a single robot.
+    """
+    comparisons, parts = [], defaultdict(list)
+    for how in starts:
+        for small, large in _steps(cells, how):
+            step = cells.compared(
                 (f"{how}: " if len(starts) > 1 else "") + _step(small, large),
                 lower=large if larger_is_lower else small,
                 higher=small if larger_is_lower else large,
                 measure=measure,
             )
-            for small, large in _steps(cells, how)
-        ]
-        for how in starts
-    }
+            comparisons.append(step)
+            size = f"1 to {large.robots} robots" if small.robots == 1 else "larger teams"
+            parts[f"{how} starts, {size}"].append(step)
     return Family(
-        comparisons=[step for steps in by_starts.values() for step in steps],
+        comparisons=comparisons,
         quantity=measure,
         parts={
-            f"{how} starts": Family(comparisons=steps, quantity=measure)
-            for how, steps in by_starts.items()
+            name: Family(comparisons=steps, quantity=measure)
+            for name, steps in parts.items()
             if len(starts) > 1
         },
     )

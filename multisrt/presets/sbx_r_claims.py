@@ -64,8 +64,8 @@ def _cell_claims() -> list[CellClaim]:
         *together,
         CellClaim(
             text="Self-bidding takes less time than both others in teams of 3 and 4 with a radio "
-            "of 20 or 30 m and in teams of 5 with one of 30 m, and less than closest in teams of 4 "
-            "with one of 15 m.",
+            "range of 20 or 30 m and in teams of 5 with one of 30 m, and less than closest in "
+            "teams of 4 with one of 15 m.",
             table=time,
             cells=(
                 *((o, radio, n) for o in OTHERS for radio in (20, 30) for n in (3, 4)),
@@ -74,13 +74,15 @@ def _cell_claims() -> list[CellClaim]:
             ),
         ),
         CellClaim(
-            text="Two robots with a radio of 15 m take longer by self-bidding than by closest.",
+            text="Two robots with a radio range of 15 m take longer by self-bidding than by "
+            "closest.",
             table=time,
             cells=((CLOSEST, 15, 2),),
             better=False,
         ),
         CellClaim(
-            text="Five robots with a radio of 15 m take longer by self-bidding than by utility.",
+            text="Five robots with a radio range of 15 m take longer by self-bidding than by "
+            "utility.",
             table=time,
             cells=((UTILITY, 15, 5),),
             better=False,
@@ -92,19 +94,20 @@ def _cell_claims() -> list[CellClaim]:
             cells=tuple((CLOSEST, radio, n) for radio in RADIO_RANGES_M for n in (3, 4, 5)),
         ),
         CellClaim(
-            text="Two robots with a radio of 20 m travel more by self-bidding than by both others.",
+            text="Two robots with a radio range of 20 m travel more by self-bidding than by both "
+            "others.",
             table=distance,
             cells=tuple((o, 20, 2) for o in OTHERS),
             better=False,
         ),
         CellClaim(
-            text="With a radio of 15 m teams travel more by self-bidding than by utility.",
+            text="With a radio range of 15 m teams travel more by self-bidding than by utility.",
             table=distance,
             cells=tuple((UTILITY, 15, n) for n in TEAMS),
             better=False,
         ),
         CellClaim(
-            text="With a radio of 30 m teams of 3 and 4 travel less by self-bidding than by "
+            text="With a radio range of 30 m teams of 3 and 4 travel less by self-bidding than by "
             "utility.",
             table=distance,
             cells=tuple((UTILITY, 30, n) for n in (3, 4)),
@@ -129,7 +132,7 @@ def claims_about(others: Collection[str], radio_m: int, robots: int) -> tuple[st
     Examples
     --------
     >>> print(*claims_about(["closest", "utility"], 20, 2)[-1:])
-    Two robots with a radio of 20 m travel more by self-bidding than by both others.
+    Two robots with a radio range of 20 m travel more by self-bidding than by both others.
     """
     return tuple(
         claim.text

@@ -64,7 +64,7 @@ def diagram_table(cells: Cells) -> PrintedTable:
     """Return the table of how often robots left the nearness diagram, and had to stop."""
     rows = []
     for choice in STRATEGIES:
-        places = [at for at in cells.conditions() if at.strategy == choice.name]
+        places = [at for at in cells.conditions() if at.strategy == choice.name and at.robots > 1]
         run_m = _total(cells, places, DISTANCE)
         if run_m > 0.0:
             counts = [_total(cells, places, measure) for measure in (*LEFT, STOPS)]
@@ -75,8 +75,7 @@ def diagram_table(cells: Cells) -> PrintedTable:
         columns=("strategy", *REASONS, "protective stops"),
         rows=tuple(rows),
         note="How often the nearness diagram was left for the rest of a drive, by reason, and how "
-        "often a protective stop ended a motion before another body, over all runs of a strategy "
-        "in the tables.",
+        "often a protective stop ended a motion before another body, over all runs of teams.",
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 
 from multisrt.experiments.crossing import conditions
@@ -12,10 +13,20 @@ from multisrt.presets.words import failed_runs
 from multisrt.reporting.claims import Claim, PrintedTable
 from multisrt.reporting.study import Study
 from multisrt.reporting.tables import gap_table
-from multisrt.reporting.words import HOW_TO_REFER
 
 Beside = Mapping[str, Sequence[tuple[str, Claim]]]
 """By the text of a claim the changes, each with the claim as judged by its runs."""
+
+JUDGING = (
+    "A claim is judged by one two-sided test at 5 % of all its cells together, which are "
+    "conditions of the experiment, in repetitions that have the same worlds and starts. Below it "
+    "each cell is tested by itself, with p-values adjusted by Holm's procedure over the cells of "
+    "the claim. A is Vargha and Delaney's effect size: the probability that a run of the first set "
+    "has a lower value than one of the second. A verdict is *inconclusive* if the difference may "
+    "be chance; the last column of the table says what these runs would have shown. Verdicts are "
+    "about these worlds alone, and are not adjusted over the claims of a paper."
+)
+"""How claims are judged, in short."""
 
 MAX_FAILURES = 50
 """Upper bound of the failed runs that are listed."""
@@ -63,21 +74,21 @@ def summary(
         _bullets(_account(results)),
         "## Claims",
         markdown_table(
-            ("claim", "verdict", "smallest effect"),
+            ("claim", "verdict", "sensitivity"),
             [(claim.text, _verdicts(claim, beside), claim.would_show) for claim in claims],
         ),
+        JUDGING,
         *(_claim(claim, made, beside) for claim in claims),
-        "## Figures beside the paper's",
-        *(_printed(table) for table in tables if table.source),
-        "## Figures behind the claims",
-        *(_printed(table) for table in tables if not table.source),
-        "## Beside a team that knows the map",
-        _gaps(results),
         "## Differences from the paper's experiment",
         *_differences(preset.deviations, made),
-        *_ablations(preset, ablations),
+        "## Figures beside the paper's",
+        *(_printed(table) for table in tables if table.source),
+        *_ablations(made, ablations),
+        *_gaps(results),
         "## Unsuccessful runs",
         _bullets(failed_runs([r for r in results if r.failed], MAX_FAILURES)) or "None.",
+        "## Figures behind the claims",
+        *(_printed(table) for table in tables if not table.source),
     ]
     return "\n\n".join(section.rstrip() for section in sections if section) + "\n"
 
@@ -90,10 +101,10 @@ def _account(results: Results) -> list[str]:
     teams = sorted({at.robots for at in conditions(spec)})
     lines = [
         f"Experiment: {spec.name}; teams of {', '.join(map(str, teams))}; {spec.repetitions} "
-        "repetitions. The verdicts refer to these.",
+        "repetitions.",
         f"Runs: {len(results)} of {results.planned}; {complete} complete, "
-        f"{sum(result.success for result in results)} successful: without a collision, covering "
-        f"at least {100.0 * spec.success_coverage:.0f} % of what can be explored.",
+        f"{sum(result.success for result in results)} successful: without a collision, with at "
+        f"least {100.0 * spec.success_coverage:.0f} % of the explorable area covered.",
         f"Computing time of all runs: {seconds / 3600.0:.2f} h of one core.",
         f"Versions: {', '.join(f'{name} {versions[name]}' for name in versions)}; "
         f"{results.provenance.system}, {results.provenance.machine}.",
@@ -107,29 +118,35 @@ def _account(results: Results) -> list[str]:
     return lines
 
 
-def _ablations(preset: Preset, results: Results | None) -> list[str]:
-    if preset.ablations is None or results is None:
+def _ablations(made: Ablations | None, results: Results | None) -> list[str]:
+    if made is None or results is None:
         return []
     seconds = sum(result.computing_s for result in results)
+    settings = dict.fromkeys((one.change, one.setting) for one in made.changes)
     return [
-        "## What changes do",
+        "## Ablations",
         "Runs apart from those of the claims, in few conditions: they show what a difference from "
         "the paper does, or where a claim that does not hold fails, and decide no claim. "
         f"{len(results)} of {results.planned} runs, {results.experiment.repetitions} repetitions; "
         f"computing time {seconds / 3600.0:.2f} h of one core. "
-        "Runs without a change are the experiment's own where it has them.",
-        *(_printed(table) for table in preset.ablations.tables(results)),
+        "Baseline runs are the experiment's own where it has them.",
+        markdown_table(("change", "setting"), list(settings)),
+        *(_printed(table) for table in made.tables(results)),
     ]
 
 
-def _gaps(results: Results) -> str:
+def _gaps(results: Results) -> list[str]:
     if not results.unreferenced and all(result.reference is None for result in results):
-        return HOW_TO_REFER
+        return []
     table = gap_table(Study(results))
     if table is None:
-        return "There are no results yet."
+        return []
     rows = [[cell.line for cell in row] for row in table.rows]
-    return "\n\n".join((markdown_table(table.columns, rows), _bullets(table.notes)))
+    return [
+        "## Beside a team that knows the map",
+        markdown_table(table.columns, rows),
+        _bullets(table.notes),
+    ]
 
 
 def _verdicts(claim: Claim, beside: Beside) -> str:
@@ -141,7 +158,7 @@ def _verdicts(claim: Claim, beside: Beside) -> str:
 
 def _plain(heading: str) -> str:
     """Return a heading without its unit, as it stands in a sentence."""
-    title = heading.partition(" (")[0]
+    title = re.sub(r" \([^()]*\)", "", heading)
     return title[0].lower() + title[1:]
 
 
@@ -182,9 +199,9 @@ def _differences(deviations: Sequence[Deviation], made: Ablations | None) -> lis
     ]
     others = [one.text for one, measuring in zip(deviations, by, strict=True) if not measuring]
     return [
-        "What these do is measured by ablations, in the tables below:",
+        "Differences whose effect ablations measure, in the tables below:",
         _bullets(measured),
-        "What these do is measured by no ablation:",
+        "Differences whose effect is not measured:",
         _bullets(others),
     ]
 

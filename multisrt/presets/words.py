@@ -52,8 +52,10 @@ def failed_runs(bad: Sequence[Result], limit: int) -> list[str]:
 
 def family_line(found: FamilyFinding, sides: Sides) -> str:
     """Return the sentence on the one test of a family."""
-    cells = f"all {found.cells} cells together" if found.cells > 1 else "the one cell"
-    kind = "pairs of repetitions" if found.paired else "unpaired repetitions"
+    cells = {1: "the one cell", 2: "both cells together"}.get(
+        found.cells, f"all {found.cells} cells together"
+    )
+    kind = "paired repetitions" if found.paired else "unpaired repetitions"
     return (
         f"{cells}, by {found.repetitions} {kind}: {sides[0]} {_change(found.ratio)} against "
         f"{sides[1]}, p {_equals(found.test.p_value)}"
@@ -81,9 +83,8 @@ def power_line(found: FamilyFinding, quantity: Quantity) -> str:
         parts = (number(x * found.reference, quantity.digits) for x in (true, 1.0))
         of = f" ({' of '.join(parts)}{unit})"
     return (
-        f"of experiments with this spread, {100.0 * POWER:.0f} % would find a true difference of "
-        f"{100.0 * true:.1f} %{of}; the smallest observed difference that would be significant is "
-        f"{100.0 * seen:.1f} %"
+        f"detectable difference: {100.0 * true:.1f} %{of} with a power of {100.0 * POWER:.0f} %; "
+        f"the smallest observed difference that would be significant is {100.0 * seen:.1f} %"
     )
 
 
@@ -99,10 +100,13 @@ def _change(ratio: Interval) -> str:
 
 
 def count_line(findings: Sequence[Finding], so: str, otherwise: str) -> str:
-    """Return the sentence that counts the cells for and against a claim."""
+    """Return the sentence that counts the cells for and against a claim, by their medians."""
     sayings = [finding.saying for finding in findings]
+    medians = [_medians(finding) for finding in findings]
+    equal = sum(lower == higher for lower, higher in medians)
     return (
-        f"{so} in {sum(finding.is_lower for finding in findings)} of {len(findings)} comparisons, "
+        f"by medians {so} in {sum(lower < higher for lower, higher in medians)} of "
+        f"{len(findings)} cells" + f" and nothing changes in {equal}" * bool(equal) + ", "
         f"significantly by itself in {sayings.count('for')}; {otherwise} significantly in "
         f"{sayings.count('against')}"
     )
@@ -113,42 +117,44 @@ def range_line(findings: Sequence[Finding], sides: Sides) -> str | None:
 
     The ratio of a family is one for all of its cells. This tells how far these are apart.
     """
-    shares = []
-    for finding in findings:
-        lower, higher = (float(median(np.array(side))) for side in finding.comparison.sides)
-        if math.isfinite(lower) and math.isfinite(higher) and higher > 0.0:
-            shares.append(100.0 * (lower / higher - 1.0))
+    shares = [
+        100.0 * (lower / higher - 1.0)
+        for lower, higher in map(_medians, findings)
+        if math.isfinite(lower) and math.isfinite(higher) and higher > 0.0
+    ]
     if len(shares) < 2:
         return None
     left_out = len(findings) - len(shares)
     return (
-        f"in single cells the median of {sides[0]} differs from that of {sides[1]} by "
-        f"{min(shares):+.1f} to {max(shares):+.1f} %, in the middle one by "
-        f"{float(np.median(shares)):+.1f} %"
-        + f" ({left_out} cells without a ratio left out)"
+        f"by cell, medians of {sides[0]} against {sides[1]}: {min(shares):+.1f} to "
+        f"{max(shares):+.1f} %, {float(np.median(shares)):+.1f} % in the median cell"
+        + f"; without {left_out} in which there is no ratio"
         * bool(left_out)
     )
 
 
 def method_line(findings: Sequence[Finding]) -> str:
     """Return the sentence on the tests of the cells."""
-    names = {False: "Mann-Whitney's test", True: "Wilcoxon's signed-rank test on pairs"}
+    names = {False: "Mann-Whitney's test", True: "Wilcoxon's test on pairs"}
     kinds = sorted({finding.comparison.paired for finding in findings})
     sizes = [len(side) for finding in findings for side in finding.comparison.sides]
     runs = f"{min(sizes)}" if min(sizes) == max(sizes) else f"{min(sizes)} to {max(sizes)}"
     effect = float(median(np.array([finding.effect for finding in findings])))
     return (
-        f"the cells by {' and '.join(names[kind] for kind in kinds)}, two-sided, p after Holm over "
-        f"{len(findings)} comparisons; n = {runs} each; median effect size A {effect:.2f} (0.5: "
-        "none, 1: always as claimed)"
+        f"each cell by {' and '.join(names[kind] for kind in kinds)}, n = {runs} each"
+        + f", p after Holm over {len(findings)} cells" * (len(findings) > 1)
+        + f"; median effect size A {effect:.2f}"
     )
+
+
+def _medians(finding: Finding) -> tuple[float, float]:
+    lower, higher = (float(median(np.array(side))) for side in finding.comparison.sides)
+    return lower, higher
 
 
 def cell_line(finding: Finding, quantity: Quantity, sides: Sides) -> str:
     """Return the sentence on one cell."""
-    below, above = (
-        number(float(median(np.array(side))), quantity.digits) for side in finding.comparison.sides
-    )
+    below, above = (number(middle, quantity.digits) for middle in _medians(finding))
     unit = f" {quantity.unit}" if quantity.unit else ""
     return (
         f"{finding.comparison.where}: median {below}{unit} ({sides[0]}) and {above}{unit} "
@@ -168,10 +174,7 @@ def cells_table(
     rows = [
         (
             finding.comparison.where,
-            *(
-                number(float(median(np.array(side))), quantity.digits)
-                for side in finding.comparison.sides
-            ),
+            *(number(middle, quantity.digits) for middle in _medians(finding)),
             _sizes(finding.comparison),
             p_text(finding.p_value),
             f"{finding.effect:.2f}",
@@ -190,7 +193,9 @@ def cells_table(
         columns=("where", *sides, "n", "p", "A", "evidence"),
         rows=tuple(rows),
         note="The first row is the one test of all cells; below it each cell by itself, p after "
-        "Holm." * (family is not None),
+        "Holm."
+        if family is not None
+        else "Each cell by itself, p after Holm.",
     )
 
 

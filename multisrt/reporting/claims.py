@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-Verdict = Literal["holds", "does not hold", "not significant", "not tested"]
+Verdict = Literal["holds", "does not hold", "inconclusive", "not tested"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -19,7 +19,7 @@ class Claim:
     source : str
         Where the paper makes it.
     verdict : str
-        "holds", "does not hold", "not significant" if the difference may be chance, or
+        "holds", "does not hold", "inconclusive" if the difference may be chance, or
         "not tested" if there are too few runs.
     grounds : tuple of str
         The figures behind the verdict, one sentence each.
@@ -34,12 +34,12 @@ class Claim:
     >>> claim = Claim(
     ...     text="It is faster.",
     ...     source="",
-    ...     verdict="not significant",
+    ...     verdict="inconclusive",
     ...     grounds=(),
     ...     would_show="a difference of 12 % would have been detected",
     ... )
     >>> claim.told
-    'not significant (a difference of 12 % would have been detected)'
+    'inconclusive (a difference of 12 % would have been detected)'
     """
 
     text: str
@@ -51,8 +51,8 @@ class Claim:
 
     @property
     def told(self) -> str:
-        """The verdict; if it is "not significant", followed by the effect it would have found."""
-        if self.verdict != "not significant" or not self.would_show:
+        """The verdict; if it is "inconclusive", followed by the effect it would have found."""
+        if self.verdict != "inconclusive" or not self.would_show:
             return self.verdict
         return f"{self.verdict} ({self.would_show})"
 

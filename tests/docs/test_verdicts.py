@@ -21,7 +21,7 @@ PAGE = """# A page
 | ----- | ------- |
 | It is so. | holds |
 | It is not. | does not hold |
-| Who knows. | not significant (a difference of 12 % would have been detected) |
+| Who knows. | inconclusive (a difference of 12 % would have been detected) |
 
 ### It is so.
 """
@@ -52,7 +52,7 @@ def test_every_claim_is_named_by_its_verdict(verdicts, results):
     lines = verdicts.verdicts(results).splitlines()
     assert lines[:2] == [
         "- **[Multi-SRT](multi-srt.md): 1 of 3 claims holds:** It is so.",
-        "  - *Does not hold:* It is not. *Not significant:* Who knows.",
+        "  - *Does not hold:* It is not. *Inconclusive:* Who knows.",
     ]
     assert len(lines) == 8
 
@@ -64,19 +64,19 @@ def test_a_page_of_an_earlier_experiment_is_said_to_be_one(verdicts, results):
     assert line.startswith("- **[MinPos](minpos.md), by an earlier version of the experiment:")
 
 
-def test_many_claims_that_are_not_significant_are_counted(verdicts, results):
-    row = "| Who knows. | not significant |\n"
+def test_many_claims_that_are_inconclusive_are_counted(verdicts, results):
+    row = "| Who knows. | inconclusive |\n"
     for more, told in ((2, "Who knows. Who knows. Who knows."), (3, "4 claims.")):
         (results / "sbx-r.md").write_text(PAGE.replace("\n\n### It", f"\n{more * row}\n### It"))
         line = verdicts.verdicts(results).splitlines()[3]
-        assert line == f"  - *Does not hold:* It is not. *Not significant:* {told}"
+        assert line == f"  - *Does not hold:* It is not. *Inconclusive:* {told}"
 
 
 def test_other_verdicts_are_told_where_they_differ(verdicts, results):
-    row = "| It is so. | holds (by weight: holds; by length: not significant) |"
+    row = "| It is so. | holds (by weight: holds; by length: inconclusive) |"
     (results / "sbx-r.md").write_text(PAGE.replace("| It is so. | holds |", row))
     (line,) = [line for line in verdicts.verdicts(results).splitlines() if "SBX-R" in line]
-    assert line.endswith("It is so (by length: not significant).")
+    assert line.endswith("It is so (by length: inconclusive).")
 
 
 @pytest.mark.slow

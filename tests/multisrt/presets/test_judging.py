@@ -18,12 +18,12 @@ SAYINGS: dict[str, Saying] = {"f": "for", "a": "against", "n": "nothing"}
     ("family", "cells", "always", "mostly", "somewhere"),
     [
         ("f", "ffff", "holds", "holds", "holds"),
-        ("f", "nnnn", "holds", "holds", "not significant"),
+        ("f", "nnnn", "holds", "holds", "inconclusive"),
         ("f", "fffa", "does not hold", "holds", "holds"),
-        ("n", "ffaa", "does not hold", "not significant", "holds"),
-        ("n", "nnnn", "not significant", "not significant", "not significant"),
-        ("a", "nnnn", "does not hold", "does not hold", "not significant"),
-        ("a", "nnna", "does not hold", "does not hold", "not significant"),
+        ("n", "ffaa", "does not hold", "inconclusive", "holds"),
+        ("n", "nnnn", "inconclusive", "inconclusive", "inconclusive"),
+        ("a", "nnnn", "does not hold", "does not hold", "inconclusive"),
+        ("a", "nnna", "does not hold", "does not hold", "inconclusive"),
         ("a", "aaaa", "does not hold", "does not hold", "does not hold"),
     ],
 )
@@ -158,7 +158,7 @@ def test_a_family_holds_where_no_cell_is_significant():
     assert (claim.verdict, claim.told) == ("holds", "holds")
     # What would have been found is named whatever the verdict.
     assert claim.would_show.endswith("% would have been detected")
-    assert "all 12 cells together, by 8 pairs of repetitions: tortoise -" in claim.grounds[0]
+    assert "all 12 cells together, by 8 paired repetitions: tortoise -" in claim.grounds[0]
 
 
 def test_the_order_of_cells_and_repetitions_is_irrelevant():
@@ -176,10 +176,10 @@ def test_the_order_of_cells_and_repetitions_is_irrelevant():
 
 def test_what_is_not_significant_comes_with_what_would_have_shown():
     few = judged_gains(*small_gains(2, 8)).claim
-    assert few.verdict == "not significant"
+    assert few.verdict == "inconclusive"
     assert few.would_show.endswith("% would have been detected")
-    assert few.told == f"not significant ({few.would_show})"
-    assert any("80 % would find a true difference of" in ground for ground in few.grounds)
+    assert few.told == f"inconclusive ({few.would_show})"
+    assert any(ground.startswith("detectable difference: ") for ground in few.grounds)
     many = judged_gains(*small_gains(4, 8)).claim
     one = judged_gains(*small_gains(2, 8), scope="somewhere").claim
     assert one.would_show.endswith("% would have been detected in one cell")
@@ -193,7 +193,7 @@ def test_what_is_not_significant_comes_with_what_would_have_shown():
 def test_runs_that_show_nothing_say_so():
     # Of nothing there is no share; of values without spread any share would show.
     equal = judged_gains(*[compared([0.0] * 8, [0.0] * 8)] * 2).claim
-    assert equal.verdict == "not significant"
+    assert equal.verdict == "inconclusive"
     assert equal.would_show == "no difference would have been detected in these runs"
     equal = judged_gains(*[compared([5.0] * 8, [5.0] * 8)] * 2).claim
     assert equal.would_show == "a difference of 0.0 % would have been detected"
@@ -223,19 +223,20 @@ def test_parts_of_a_family_are_tested_by_themselves():
         sides=("a", "b"),
     )
     first, *parts = judged.claim.grounds[0].split("\n  - ")
-    assert judged.claim.verdict == "not significant"
-    assert first.startswith("all 2 cells together, by 6 pairs")
+    assert judged.claim.verdict == "inconclusive"
+    assert first.startswith("both cells together, by 6 paired")
     assert len(parts) == 1
-    assert parts[0].startswith("pairs: the one cell, by 6 pairs of repetitions: a -")
+    assert judged.claim.other_verdicts == (("pairs", "holds"),)
+    assert parts[0].startswith("pairs: the one cell, by 6 paired repetitions: a -")
 
 
 def test_grounds_give_the_numbers():
     judged = judged_gains(compared([1, 2, 3, 4, 5, 6], [11, 12, 13, 14, 15, 16]))
     assert judged.claim.verdict == "holds"
     text = "\n".join(judged.claim.grounds)
-    assert "the one cell, by 6 pairs of repetitions: tortoise -" in text
+    assert "the one cell, by 6 paired repetitions: tortoise -" in text
     assert "against hare, p = 0.031" in text
-    assert "in 1 of 1 comparisons, significantly by itself in 1" in text
+    assert "by medians" not in text  # of one cell
     assert "Mann-Whitney" in text
     # 2 of the 924 ways to choose six of twelve.
     assert "median 3.5 s (tortoise) and 13.5 s (hare), n = 6, p = 0.002, A = 1.00" in text
@@ -251,8 +252,13 @@ def test_differences_in_single_cells_are_told_beside_that_of_the_family():
     lost = compared([1, 2, 3, 4, 5, 6], [math.inf] * 6)
     found = judged_gains(halves, equal, lost).claim.grounds
     assert any(
-        line == "in single cells the median of tortoise differs from that of hare by -50.0 to "
-        "+0.0 %, in the middle one by -25.0 % (1 cells without a ratio left out)"
+        line == "by cell, medians of tortoise against hare: -50.0 to +0.0 %, -25.0 % in the median "
+        "cell; without 1 in which there is no ratio"
         for line in found
     ), found
-    assert not any("in single cells" in line for line in judged_gains(halves).claim.grounds)
+    assert any(
+        line == "by medians they are faster in 2 of 3 cells and nothing changes in 1, "
+        "significantly by itself in 1; slower significantly in 0"
+        for line in found
+    ), found
+    assert not any("by cell" in line for line in judged_gains(halves).claim.grounds)

@@ -33,17 +33,17 @@ def test_claims_of_multi_srt_that_hold():
         (claim.text for claim in found), "holds"
     )
     # With 360 runs: 1 - 0.2 ** (1 / 360), and a limit of each claim.
-    assert found[-1].would_show == "0.45 % of bad runs would have been detected"
+    assert found[-1].would_show == "a collision in 0.45 % of runs would have been detected"
     assert all(claim.would_show for claim in found)
     # 2 worlds, 2 strategies, 2 radios; from 1 to 2 and from 2 to 4 robots.
     for claim in found[:2]:
-        assert "in 16 of 16 comparisons, significantly by itself in 16" in claim.grounds[1]
+        assert "in 16 of 16 cells, significantly by itself in 16" in claim.grounds[1]
     # 2 worlds, 2 strategies, 2 starts; from 1 to 2 and from 2 to 4 robots.
     for claim in found[4:6]:
-        assert "in 16 of 16 comparisons, significantly by itself in 16" in claim.grounds[1]
+        assert "in 16 of 16 cells, significantly by itself in 16" in claim.grounds[1]
     # 2 worlds; alone, and 2 sizes, 2 starts, 2 radios.
     for claim in found[6:9]:
-        assert "in 18 of 18 comparisons, significantly by itself in 18" in claim.grounds[1]
+        assert "in 18 of 18 cells, significantly by itself in 18" in claim.grounds[1]
 
 
 def test_claims_of_multi_srt_that_do_not_hold():
@@ -63,10 +63,10 @@ def test_claims_of_multi_srt_that_do_not_hold():
         }
 
     found = multi_srt.claims(results_of(spec, values))
-    scattered = claim_on(found, "scattered", "until all are home")
+    scattered = claim_on(found, "scattered", "until all are done")
     assert scattered.verdict == "does not hold"
     assert any("garden, srt-star, 15 m radio, 2 to 4 robots" in line for line in scattered.grounds)
-    assert claim_on(found, "clustered", "until all are home").verdict == "does not hold"
+    assert claim_on(found, "clustered", "until all are done").verdict == "does not hold"
     for text in DISTANCE_GROWS.values():
         assert claim_on(found, text).verdict == "does not hold"
     assert claim_on(found, "shorter total distance").verdict == "does not hold"
@@ -88,7 +88,10 @@ def test_the_distance_is_judged_by_radio():
     assert "only used when an unlimited communication range is handled" in unlimited.source
     # Scattered and clustered starts are told apart.
     parts = unlimited.grounds[0].split("\n  - ")[1:]
-    assert [part.split(":")[0] for part in parts] == ["scattered starts", "clustered starts"]
+    assert [part.split(":")[0] for part in parts] == [
+        *("scattered starts, 1 to 2 robots", "scattered starts, larger teams"),
+        *("clustered starts, 1 to 2 robots", "clustered starts, larger teams"),
+    ]
 
 
 def ablated(coverage: float) -> Results:
@@ -125,7 +128,7 @@ def test_claims_are_judged_by_the_papers_planner_as_well():
         }
         ((_, clustered),) = beside[NOT_IN_EVERY_STEP[TIME]]
         # From 1 to 2, 4, 8 and 16 robots.
-        assert "in 4 of 4 comparisons, significantly by itself in 4" in clustered.grounds[1]
+        assert "in 4 of 4 cells, significantly by itself in 4" in clustered.grounds[0]
 
 
 def test_verdicts_by_the_papers_planner_are_beside_those_of_the_experiment():
@@ -167,7 +170,7 @@ def test_claims_of_multi_srt_that_may_be_chance():
             },
         )
     )
-    assert [claim.verdict for claim in found[:9]] == ["not significant"] * 9
+    assert [claim.verdict for claim in found[:9]] == ["inconclusive"] * 9
 
 
 def test_claims_of_multi_srt_without_runs_enough():
@@ -187,8 +190,8 @@ def test_both_times_are_judged():
 
     results = results_of(QUICK_SRT, values)
     found = multi_srt.claims(results)
-    assert claim_on(found, "scattered", "until all are home").verdict == "holds"
-    assert claim_on(found, "scattered", "knows the map complete").verdict == "not significant"
+    assert claim_on(found, "scattered", "until all are done").verdict == "holds"
+    assert claim_on(found, "scattered", "map is complete").verdict == "inconclusive"
     # Each has a table of its comparisons.
     titles = [table.title for table in multi_srt.tables(results) if "scattered" in table.title]
     assert [

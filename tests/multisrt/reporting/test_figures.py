@@ -180,7 +180,7 @@ def test_rates_of_success_are_over_all_settings(study, axes_of):
 
 def test_a_long_headline_is_written_whole_and_makes_room():
     figure = Figure(figsize=(4.2, 2.0))
-    text = "Time until a robot knows the map complete, against srt-star"
+    text = "Time until one robot's map is complete, against srt-star"
     headline(figure.add_subplot(), text)
     assert figure.get_suptitle().replace("\n", " ") == text
     assert figure.get_figheight() > 2.0

@@ -422,7 +422,7 @@ def test_no_percentage_where_there_is_no_median(make):
     times = lognormal(1, 100.0)
     study = Study(make({("w", "a", 1): times, ("w", "b", 1): [None] * 20}))
     (said,) = findings(study, TIME).significant
-    assert "b does significantly worse than a by time until a robot knows the map complete" in said
+    assert "b does significantly worse than a by time until one robot's map is complete" in said
     assert "nan" not in said
     assert "100 %" not in said
 

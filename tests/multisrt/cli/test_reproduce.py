@@ -179,7 +179,7 @@ def test_ablations_can_be_left_out(reproduce, folder):
     assert not (made / "results-ablations.sqlite").exists()
     text = (made / "summary.md").read_text()
     assert "--seeds 1 --no-ablations`" in text
-    assert "What changes do" not in text
+    assert "## Ablations" not in text
     # They can be added.
     assert reproduce(*words)[0] == 0
     assert "96 of 96 runs, 6 repetitions" in (made / "summary.md").read_text()

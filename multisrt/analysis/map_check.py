@@ -20,7 +20,7 @@ from multisrt.environments.cleaning import CleaningOptions, cleaned
 from multisrt.environments.environment import Environment
 from multisrt.environments.formats.geojson import degrees_hint
 from multisrt.environments.layers import left_out_names
-from multisrt.environments.pieces import Enclosing, inside, pieces, start_in, surrounding
+from multisrt.environments.parts import Enclosing, inside, parts_of, start_in, surrounding
 from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.errors import InvalidInputError
 
@@ -66,7 +66,7 @@ class MapCheck:
         The separate parts of free space, the largest first.
     around : Enclosing or None
         The part that lies around others, such as the paper around a floor plan; see
-        `multisrt.environments.pieces.surrounding`.
+        `multisrt.environments.parts.surrounding`.
     main : Polygon
         The main part, which is checked: that of the first suggested start, or else the largest
         that does not lie around others.
@@ -235,7 +235,7 @@ def check_map(environment: Environment, footprint: Footprint, *, share: float = 
     """
     if not 0.0 < share <= 1.0:
         raise InvalidInputError(f"the share is {share:g}; it must be above 0 and at most 1")
-    parts, starts = pieces(environment), environment.starts
+    parts, starts = parts_of(environment), environment.starts
     main = environment.component(*starts[0]) if starts else inside(environment)[0]
     tree = clearance_tree(main)
     reachable = _reachable(environment, main, footprint.inscribed_radius_m)

@@ -114,7 +114,7 @@ def _poor_starts(planned: Sequence[PlannedRun]) -> dict[Condition, str]:
     """Return why the team does not fit in the first repetition of conditions, or what it misses."""
     import msgspec
 
-    from multisrt.environments.pieces import is_minor
+    from multisrt.environments.parts import is_minor
     from multisrt.experiments.mission import world_of
     from multisrt.geometry.errors import InvalidInputError
     from multisrt.simulation.starts import starts_of

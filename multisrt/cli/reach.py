@@ -36,9 +36,9 @@ def areas(environment: Environment) -> str:
     >>> areas(Environment("a room", shapely.box(0, 0, 2, 2)))
     '1 part'
     """
-    from multisrt.environments.pieces import pieces
+    from multisrt.environments.parts import parts_of
 
-    sizes = [piece.area for piece in pieces(environment)]
+    sizes = [part.area for part in parts_of(environment)]
     if len(sizes) == 1:
         return "1 part"
     listed = ", ".join(area_text(size) for size in sizes[:MAX_AREAS])
@@ -60,7 +60,7 @@ def around(environment: Environment) -> str:
     >>> around(plan)
     'the part of 36 m2 lies around the others: it touches the border of the map'
     """
-    from multisrt.environments.pieces import enclosing, start_in, surrounding
+    from multisrt.environments.parts import enclosing, start_in, surrounding
 
     found = surrounding(environment)
     if found is None:
@@ -102,7 +102,7 @@ def elsewhere(environment: Environment, start: Sequence[float]) -> str:
     >>> elsewhere(rooms, (1.0, 1.0, 0.0)).partition("; ")[2]
     'the largest has 6 m2, e.g. at (4.50, 1.00)'
     """
-    from multisrt.environments.pieces import enclosing, inside, start_in, surrounding
+    from multisrt.environments.parts import enclosing, inside, start_in, surrounding
 
     here = environment.component(*start[:2])
     share = here.area / environment.area_m2

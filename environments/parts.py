@@ -203,8 +203,11 @@ def start_in(part: Polygon) -> str:
     return f"{x:.2f},{y:.2f}"
 
 
-def is_minor(environment: Environment, x: float, y: float) -> bool:
-    """Return whether a place is outside the largest part that is not around a building.
+def is_poor_start(environment: Environment, x: float, y: float) -> bool:
+    """Return whether a robot that starts at a place may miss what is to be explored.
+
+    That is outside the largest part that is not around a building, and in a part that may be a page
+    around a building (`surrounding`).
 
     Parameters
     ----------
@@ -216,7 +219,7 @@ def is_minor(environment: Environment, x: float, y: float) -> bool:
     Returns
     -------
     bool
-        True in the part around a building, whatever its size.
+        True in a part that `surrounding` finds, whatever its size.
 
     Raises
     ------
@@ -228,8 +231,10 @@ def is_minor(environment: Environment, x: float, y: float) -> bool:
     >>> import shapely
     >>> two = shapely.union_all([shapely.box(0, 0, 2, 2), shapely.box(3, 0, 6, 2)])
     >>> rooms = Environment("two rooms", two)
-    >>> is_minor(rooms, 1.0, 1.0), is_minor(rooms, 4.0, 1.0)
+    >>> is_poor_start(rooms, 1.0, 1.0), is_poor_start(rooms, 4.0, 1.0)
     (True, False)
     """
-    here, parts = environment.component(x, y), inside(environment)
-    return all(here is not part for part in parts) or here.area < parts[0].area
+    here, outside = environment.component(x, y), surrounding(environment)
+    if outside is not None and outside.area is here:
+        return True
+    return here.area < inside(environment)[0].area

@@ -36,6 +36,7 @@ CHECK_EXAMPLES = """
 Examples:
   multisrt environments check plan.png --resolution 0.05 --out check.svg
   multisrt environments check office --footprint box:0.6x0.4
+  multisrt environments check page.png --resolution 0.05 --start 7,7
   multisrt environments check drawn.geojson --fix clean.geojson
   multisrt environments check scan.yaml --fix scan.wkt --close 0.3
 
@@ -250,6 +251,13 @@ def _parameters(name: str) -> str:
     help="Body (m): disc:R, box:LxW or 'polygon:x,y x,y ...'.",
 )
 @click.option(
+    "--start",
+    "starts",
+    multiple=True,
+    metavar="X,Y[,HEADING]",
+    help="Start of a robot (m, rad), whose part is the main part then; repeat it for a team.",
+)
+@click.option(
     "--share",
     type=click.FloatRange(0.0, 1.0, min_open=True),
     default=0.95,
@@ -292,6 +300,7 @@ def check(
     environment: str,
     *,
     footprint: str,
+    starts: tuple[str, ...],
     share: float,
     out: Path | None,
     fix: Path | None,
@@ -308,13 +317,16 @@ def check(
     """
     from multisrt.analysis.map_check import check_map
     from multisrt.cli.map_report import report
+    from multisrt.cli.run_options import start_of
     from multisrt.drawing import save_map_check_svg
     from multisrt.exporting import save_environment
     from multisrt.exporting.worlds import READABLE_SUFFIXES
     from multisrt.exporting.written import require_suffix
     from multisrt.geometry.bodies.footprint import Footprint
+    from multisrt.geometry.configuration import Configuration
 
     body = Footprint.parse(footprint)
+    places = [Configuration(*start_of(text, "--start")) for text in starts]
     if fix is not None:
         require_suffix(fix, READABLE_SUFFIXES, "repaired copies")
     if fix is None and (names := [name for name in ("specks", "close", "simplify") if given[name]]):
@@ -328,7 +340,7 @@ def check(
     if fix is not None:
         world = _fixed(world, given)
         save_environment(world, fix, overwrite=force)
-    checked = check_map(world, body, share=share)
+    checked = check_map(world, body, share=share, starts=places)
     if out is not None:
         save_map_check_svg(checked, out)
     if not quiet:

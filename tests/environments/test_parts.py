@@ -4,7 +4,7 @@ import shapely
 from shapely.geometry.base import BaseGeometry
 
 from multisrt.environments.environment import Environment
-from multisrt.environments.parts import enclosing, inside, is_minor, parts_of, surrounding
+from multisrt.environments.parts import enclosing, inside, is_poor_start, parts_of, surrounding
 
 PAPER = shapely.box(0, 0, 20, 10)
 BUILDING = shapely.box(1, 1, 19, 9)
@@ -101,7 +101,14 @@ def test_inside_is_all_but_the_paper():
     assert inside(rooms) == parts_of(rooms)
 
 
-def test_all_but_the_largest_area_inside_is_minor():
+def test_all_but_the_largest_area_inside_is_poor_start():
     places = {"paper": (0.5, 0.5), "large room": (12.0, 5.0), "small room": (3.0, 5.0)}
-    found = {name: is_minor(plan(), *place) for name, place in places.items()}
+    found = {name: is_poor_start(plan(), *place) for name, place in places.items()}
     assert found == {"paper": True, "large room": False, "small room": True}
+
+
+def test_the_page_around_a_small_flat_is_a_poor_start():
+    world = flat_on(shapely.box(0, 0, 36, 30))
+    places = {"page": (20.0, 20.0), "large room": (5.0, 5.0), "small room": (12.0, 5.0)}
+    found = {name: is_poor_start(world, *place) for name, place in places.items()}
+    assert found == {"page": True, "large room": True, "small room": True}

@@ -10,7 +10,7 @@ import click
 
 from multisrt.cli import candidates
 from multisrt.cli.mistakes import CommandGroup, is_world
-from multisrt.cli.output_options import force_option, quiet_option
+from multisrt.cli.output_options import force_option, height_option, quiet_option
 from multisrt.cli.outputs import require_place, require_svg, stem_of
 from multisrt.cli.own_map import world_options
 from multisrt.cli.reach import areas, around
@@ -18,6 +18,7 @@ from multisrt.cli.run_options import world_of_options
 from multisrt.cli.tables import show as show_table
 from multisrt.cli.tables import table
 from multisrt.environments.area_text import area_text
+from multisrt.environments.written_suffixes import READABLE_SUFFIXES, SUFFIXES
 
 if TYPE_CHECKING:
     from multisrt.environments.environment import Environment
@@ -28,8 +29,8 @@ PROBLEM = 1
 SPECK_M = 0.01
 """Default size of the specks that --fix drops, in metres."""
 
-FIXED = (".yaml", ".geojson", ".wkt", ".svg", ".dxf")
-"""Suffixes of maps that are written and read; a test compares them with those of the formats."""
+FIXED = [usual for usual, *_ in SUFFIXES.values()]
+"""Suffixes of the copies that --fix writes."""
 
 CHECK_EXAMPLES = """
 \b
@@ -146,13 +147,7 @@ def show(
     metavar="M",
     help="Width of a pixel of .yaml (m).  [default: 0.05, wider for large worlds]",
 )
-@click.option(
-    "--height",
-    "height_m",
-    type=float,
-    metavar="M",
-    help="Height of walls in .stl and .glb (m).  [default: 1]",
-)
+@height_option()
 @world_options
 @quiet_option()
 def export(
@@ -320,7 +315,6 @@ def check(
     from multisrt.cli.run_options import start_of
     from multisrt.drawing import save_map_check_svg
     from multisrt.exporting import save_environment
-    from multisrt.exporting.worlds import READABLE_SUFFIXES
     from multisrt.exporting.written import require_suffix
     from multisrt.geometry.bodies.footprint import Footprint
     from multisrt.geometry.configuration import Configuration

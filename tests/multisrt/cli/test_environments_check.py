@@ -6,8 +6,9 @@ import pytest
 import shapely
 
 from multisrt.cli.environments import FIXED
-from multisrt.environments.formats import read_environment
-from multisrt.exporting.worlds import MAP_SUFFIXES, READABLE_SUFFIXES
+from multisrt.environments.formats import FORMATS, read_environment
+from multisrt.environments.written_suffixes import READABLE_SUFFIXES
+from multisrt.exporting.worlds import MAP_SUFFIXES
 from tests.multisrt.cli.commands import everything
 
 STAIRS = "type octile\nheight 5\nwidth 5\nmap\n@@@..\n@@...\n@....\n.....\n.....\n"
@@ -153,8 +154,10 @@ def test_fix_writes_what_can_be_read_again(call, folder, name):
 
 
 def test_the_help_of_fix_lists_the_formats():
+    read = {suffix for known in FORMATS for suffix in known.suffixes}
     assert {MAP_SUFFIXES[suffix] for suffix in FIXED} == set(READABLE_SUFFIXES.values())
-    assert set(MAP_SUFFIXES) - set(READABLE_SUFFIXES) == {".stl", ".glb"}
+    assert set(READABLE_SUFFIXES) == set(MAP_SUFFIXES) & read
+    assert set(MAP_SUFFIXES) - read == {".stl", ".glb"}
 
 
 def test_options_of_fix_need_it(call):

@@ -9,12 +9,13 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image, ImageDraw
+from shapely import Polygon
 
 from multisrt.drawing import save_environment_svg
 from multisrt.environments import Environment, environment
 from multisrt.environments.formats import format_of, read_environment, regions
 from multisrt.environments.formats.files import MAX_STARTS
-from multisrt.environments.formats.regions import Pen, filled, stroked
+from multisrt.environments.formats.regions import Pen, filled, stroked, union_of
 from multisrt.environments.formats.svg.lengths import matrix
 from multisrt.environments.formats.svg.path_data import subpaths
 from multisrt.geometry.errors import MapFormatError
@@ -831,3 +832,20 @@ def test_equal_starts_count_once_and_of_many_the_first(tmp_path):
     starts = read_environment(path, resolution_m=1.0).starts
     assert starts[:2] == ((3, 5), (5, 5))
     assert len(starts) == MAX_STARTS
+
+
+corners = st.integers(0, 12)
+
+
+@settings(max_examples=200, deadline=None)
+@given(st.lists(st.tuples(corners, corners, st.integers(0, 4), st.integers(1, 4)), max_size=12))
+def test_a_union_in_groups_is_the_union(boxes):
+    # Boxes that are apart, touch at corners or sides, overlap, are equal, or are empty.
+    areas = [shapely.box(x, y, x + w, y + h) if w else Polygon() for x, y, w, h in boxes]
+    whole = shapely.union_all(areas)
+    grouped = union_of(areas)
+    assert grouped.is_valid
+    assert grouped.is_empty == whole.is_empty
+    assert grouped.symmetric_difference(whole).area == 0
+    assert len(shapely.get_parts(grouped)) == len(shapely.get_parts(whole))
+    assert all(part.geom_type == "Polygon" for part in shapely.get_parts(grouped))

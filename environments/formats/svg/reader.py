@@ -23,7 +23,12 @@ from multisrt.environments.formats.files import (
 )
 from multisrt.environments.formats.map_format import Beginning, MapFormat
 from multisrt.environments.formats.plan import Role, layers_of, role_names
-from multisrt.environments.formats.regions import MAX_POINTS, opened, require_few_crossings
+from multisrt.environments.formats.regions import (
+    MAX_POINTS,
+    opened,
+    require_few_crossings,
+    union_of,
+)
 from multisrt.environments.formats.svg.clips import Clipper
 from multisrt.environments.formats.svg.lengths import SvgError
 from multisrt.environments.formats.svg.page import Page, page_of
@@ -249,7 +254,7 @@ class _Plan:
             except SvgError as error:
                 raise self._document.wrong(one.element, error) from error
         require_few_crossings(self._path, [area for some in areas.values() for area in some])
-        united = {role: shapely.union_all(np.asarray(some)) for role, some in areas.items()}
+        united = {role: union_of(some) for role, some in areas.items()}
         walls = opened(united[Role.WALL], united[Role.DOOR]) | united[Role.OBSTACLE]
         if areas[Role.FREE]:
             free = united[Role.FREE]
@@ -401,7 +406,7 @@ def _topmost_dark(path: Path, paints: list[_Paint]) -> BaseGeometry:
                     )
                 cover = shapely.union_all(tree.geometries[np.sort(later)])
                 visible[index] = opened(area, cover)
-    return shapely.union_all(visible)
+    return union_of(list(visible))
 
 
 def _is_svg_file(beginning: Beginning) -> bool:

@@ -184,6 +184,19 @@ def default_parameters(name: str) -> tuple[tuple[str, float], ...]:
     )
 
 
+def generator_reference(name: str) -> str:
+    """Return the module and function of a generator as ``MODULE:FUNCTION``; empty for other names.
+
+    Examples
+    --------
+    >>> generator_reference("open"), generator_reference("museum")
+    ('multisrt.environments.generators.open:open_hall', '')
+    """
+    if name not in _GENERATORS:
+        return ""
+    return f"multisrt.environments.generators.{_GENERATORS[name][0]}"
+
+
 @cache
 def catalog() -> tuple[CatalogEntry, ...]:
     """Return the descriptions of all worlds, in the order of `names`.
@@ -230,10 +243,8 @@ def _entry(name: str) -> CatalogEntry:
 
 
 def _generator(name: str) -> Callable[..., "Environment"]:
-    module, function = _GENERATORS[name][0].split(":")
-    found: Callable[..., Environment] = getattr(
-        import_module(f"multisrt.environments.generators.{module}"), function
-    )
+    module, function = generator_reference(name).split(":")
+    found: Callable[..., Environment] = getattr(import_module(module), function)
     return found
 
 

@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Final
 
 from benchmarks.fuzz.judging import Outcome, Verdict, judge
-from benchmarks.fuzz.processes import run
+from benchmarks.fuzz.processes import Campaign, run
 from benchmarks.fuzz.targets import TARGETS, Target
 
 MAX_KEPT: Final = 3
@@ -56,7 +56,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
     print(TITLE)
     failed = False
     for target, count in zip(targets, shares(named.inputs, len(targets)), strict=True):
-        report = campaign(target, named.seed, range(count), named.workers, named.out)
+        campaign = Campaign(
+            target=target, seed=named.seed, numbers=range(count), workers=named.workers
+        )
+        report = report_of(campaign, named.out)
         print(report.row(), flush=True)
         for line in report.failures():
             print(line, flush=True)
@@ -142,32 +145,27 @@ def _alike(one: str, other: str) -> bool:
     return one.partition(":")[0] == other.partition(":")[0] and places[0] == places[1]
 
 
-def campaign(target: Target, seed: int, numbers: range, workers: int, out: Path) -> Report:
+def report_of(campaign: Campaign, out: Path) -> Report:
     """Read inputs, write those that fail to a folder, and return the results.
 
     Parameters
     ----------
-    target : Target
-        The reader.
-    seed : int
-        Seed of the campaign.
-    numbers : range
-        Numbers of the inputs.
-    workers : int
-        Number of processes at a time.
+    campaign : Campaign
+        The inputs, and how they are read.
     out : Path
         The folder; it is created at the first failure.
     """
-    report = Report(target)
+    report = Report(campaign.target)
     begin = told = time.monotonic()
-    for number, outcome in run(target, seed, numbers, workers):
+    for number, outcome in run(campaign):
         if report.add(number, outcome):
-            write(target, seed, number, out)
+            write(campaign.target, campaign.seed, number, out)
         now = time.monotonic()
         report.seconds = now - begin
         if now - told > PROGRESS_S:
             told = now
-            print(f"    {report.counts.total():,} of {len(numbers):,}", file=sys.stderr, flush=True)
+            done = f"{report.counts.total():,} of {len(campaign.numbers):,}"
+            print(f"    {done}", file=sys.stderr, flush=True)
     return report
 
 

@@ -30,22 +30,11 @@ ROOM: Final = 3 * MAX_MEMORY
 _FORK: Final = multiprocessing.get_context("fork")
 
 
-@dataclass(slots=True)
-class _Batch:
-    """Numbers of the inputs that are still to be read, and the process that reads the first."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Campaign:
+    """Inputs of one reader.
 
-    numbers: range
-    folder: Path
-    process: BaseProcess
-    reports: Connection
-
-
-def run(
-    target: Target, seed: int, numbers: range, workers: int = 1
-) -> Iterator[tuple[int, Outcome]]:
-    """Yield the results of the inputs of a reader, with their numbers.
-
-    Parameters
+    Attributes
     ----------
     target : Target
         The reader.
@@ -56,22 +45,48 @@ def run(
     workers : int
         Number of processes at a time.
     """
-    target.warm_up()
+
+    target: Target
+    seed: int
+    numbers: range
+    workers: int = 1
+
+
+@dataclass(slots=True)
+class _Batch:
+    """Numbers of the inputs that are still to be read, and the process that reads the first."""
+
+    numbers: range
+    folder: Path
+    process: BaseProcess
+    reports: Connection
+
+
+def run(campaign: Campaign) -> Iterator[tuple[int, Outcome]]:
+    """Yield the results of the inputs of a campaign, with their numbers.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        The inputs, and how they are read.
+    """
+    campaign.target.warm_up()
+    numbers, workers = campaign.numbers, campaign.workers
     with tempfile.TemporaryDirectory(prefix="fuzz-") as folder:
         batches = [
-            _started(target, seed, numbers[first::workers], Path(folder) / str(first))
+            _started(campaign, numbers[first::workers], Path(folder) / str(first))
             for first in range(min(workers, len(numbers)))
         ]
         try:
             while batches:
-                yield from _reports(target, seed, batches)
+                yield from _reports(campaign, batches)
         finally:
             for batch in batches:
                 batch.process.kill()
                 batch.process.join()
 
 
-def _reports(target: Target, seed: int, batches: list[_Batch]) -> Iterator[tuple[int, Outcome]]:
+def _reports(campaign: Campaign, batches: list[_Batch]) -> Iterator[tuple[int, Outcome]]:
     """Yield the results reported since, and restart processes that have ended too early."""
     ready = wait([batch.reports for batch in batches], MAX_IDLE_S)
     for batch in list(batches):
@@ -94,15 +109,13 @@ def _reports(target: Target, seed: int, batches: list[_Batch]) -> Iterator[tuple
             batch.reports.close()
             batch.process.join()
             if batch.numbers:
-                batches.append(_started(target, seed, batch.numbers, batch.folder))
+                batches.append(_started(campaign, batch.numbers, batch.folder))
 
 
-def _started(target: Target, seed: int, numbers: range, folder: Path) -> _Batch:
+def _started(campaign: Campaign, numbers: range, folder: Path) -> _Batch:
     folder.mkdir(exist_ok=True)
     reports, reported = _FORK.Pipe(duplex=False)
-    process = _FORK.Process(
-        target=_work, args=(target, seed, numbers, folder, reported), daemon=True
-    )
+    process = _FORK.Process(target=_work, args=(campaign, numbers, folder, reported), daemon=True)
     process.start()
     reported.close()
     return _Batch(numbers, folder, process, reports)
@@ -119,14 +132,15 @@ def _ended(batch: _Batch) -> Outcome:
     return Outcome(Verdict.CRASH, detail=f"the process ended: {name}")
 
 
-def _work(target: Target, seed: int, numbers: range, folder: Path, reported: Connection) -> None:
+def _work(campaign: Campaign, numbers: range, folder: Path, reported: Connection) -> None:
+    target = campaign.target
     signal.signal(signal.SIGPROF, signal.SIG_DFL)
     size = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
     resource.setrlimit(resource.RLIMIT_AS, (size + ROOM, size + ROOM))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     target.prepare(folder)
     for number in numbers:
-        one = target.input(seed, number)
+        one = target.input(campaign.seed, number)
         signal.setitimer(signal.ITIMER_PROF, MAX_SECONDS)
         outcome = judge(target, one, folder)
         signal.setitimer(signal.ITIMER_PROF, 0)

@@ -333,9 +333,9 @@ class FileStarts(NamedTuple):
     Attributes
     ----------
     points : sequence of (x, y)
-        The starts, in metres.
+        The starts, in metres. Of equal ones the first counts, and of many the first `MAX_STARTS`.
     places : sequence of str
-        For each the file and the place in it, for messages; if empty, the file.
+        For each start the file and the place in it, for messages; if empty, the file.
     repair : bool or None
         Whether starts outside free space are left out instead of refused; None if the reader
         repairs nothing.
@@ -344,6 +344,18 @@ class FileStarts(NamedTuple):
     points: Sequence[tuple[float, float]] = ()
     places: Sequence[str] = ()
     repair: bool | None = None
+
+    def distinct(self) -> "FileStarts":
+        """Return the starts that count."""
+        first: dict[tuple[float, float], int] = {}
+        for number, point in enumerate(self.points):
+            first.setdefault(point, number)
+        kept = list(first.values())[:MAX_STARTS]
+        return FileStarts(
+            [self.points[number] for number in kept],
+            [self.places[number] for number in kept] if self.places else (),
+            self.repair,
+        )
 
 
 NO_STARTS: Final = FileStarts()
@@ -376,6 +388,7 @@ def build_environment(
         If the free space is not valid, or a start is not in it.
     """
     name = path.stem if name is None else name
+    starts = starts.distinct()
     origin = escaped(origin)  # may hold names from the file
     try:
         return Environment(

@@ -8,7 +8,6 @@ from typing import Final
 from multisrt.environments.environment import Environment
 from multisrt.environments.formats.files import (
     MAX_CELLS,
-    MAX_STARTS,
     FileStarts,
     build_environment,
     grid_polygons,
@@ -85,7 +84,7 @@ def read_moving_ai_scenario(
     map_path = _map_path(path, problems[0])
     cells = read_cells(map_path)
     height, _ = cells.shape
-    starts = dict.fromkeys(_start(cells, problem, map_path) for problem in problems)
+    starts = [_start(cells, problem, map_path) for problem in problems]
     polygons = grid_polygons(map_path, cells, resolution_m)
     return build_environment(
         path,
@@ -95,7 +94,7 @@ def read_moving_ai_scenario(
         starts=FileStarts(
             [
                 ((column + 0.5) * resolution_m, (height - row - 0.5) * resolution_m)
-                for column, row in list(starts)[:MAX_STARTS]
+                for column, row in starts
             ]
         ),
         cleaning=straightened(polygons, resolution_m),

@@ -179,6 +179,29 @@ def count_pairs(edges: FloatArray) -> EdgePairs:
     return EdgePairs(*_count_pairs(edges[order], *MAX_PAIRS))
 
 
+def union_of(areas: Sequence[BaseGeometry]) -> BaseGeometry:
+    """Return the union of areas, group by group of those that meet.
+
+    Of thousands of areas of which few meet, as the walls and obstacles of drawings, it takes a
+    fraction of the time of `shapely.union_all`.
+
+    Parameters
+    ----------
+    areas : sequence of Polygon or MultiPolygon
+        Valid areas; some may be empty.
+
+    Examples
+    --------
+    >>> union_of([shapely.box(0, 0, 2, 1), shapely.box(1, 0, 3, 1), shapely.box(5, 0, 6, 1)]).area
+    4.0
+    >>> union_of([]).is_empty
+    True
+    """
+    shapes: GeometryArray = np.asarray(areas, np.object_)
+    # Empty ones would become parts of the result.
+    return shapely.disjoint_subset_union_all(shapes[~shapely.is_empty(shapes)])
+
+
 def opened(walls: BaseGeometry, openings: BaseGeometry) -> BaseGeometry:
     """Return walls without the openings in them.
 

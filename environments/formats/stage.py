@@ -17,7 +17,6 @@ from multisrt.environments.environment import MAX_COORDINATE_M, Environment
 from multisrt.environments.formats.bitmap import MAX_CORNERS
 from multisrt.environments.formats.files import (
     MAX_CELLS,
-    MAX_STARTS,
     FileStarts,
     build_environment,
     grid_polygons,
@@ -171,7 +170,7 @@ def read_stage(
         free,
         name=name,
         origin="; ".join(told),
-        starts=FileStarts(list(dict.fromkeys(inside))[:MAX_STARTS]),
+        starts=FileStarts(inside),
         cleaning=Cleaning(straightened_m=world.straightened_m),
     )
 

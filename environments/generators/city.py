@@ -9,6 +9,7 @@ from shapely import Polygon, box
 
 from multisrt.environments.environment import Environment
 from multisrt.environments.generators.as_drawn import polygon_around, starts_among
+from multisrt.environments.generators.difficulty import between
 from multisrt.environments.generators.parameters import call_text, number, rounded_up, seed_number
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.numerics.kernel import FloatArray
@@ -124,17 +125,17 @@ def city(
             "difficulty"
         )
     rng = np.random.default_rng(seed)
-    lot_m = max(_between(LOT_M, difficulty), 4 * passage_m)
+    lot_m = max(between(LOT_M, difficulty), 4 * passage_m)
     buildings: list[Polygon] = []
     blocks = _blocks(size_m, street_m, rng)
-    order, share = rng.permutation(len(blocks)), _between(SQUARES, difficulty)
+    order, share = rng.permutation(len(blocks)), between(SQUARES, difficulty)
     squares = set(order[: round(share * len(blocks))].tolist())
     for place, block in enumerate(blocks):
         if place in squares:
             buildings += _square(block, passage_m, rng)
             continue
         for lot in _lots(block, lot_m, passage_m, rng):
-            court = rng.random() < _between(COURTS, difficulty)
+            court = rng.random() < between(COURTS, difficulty)
             buildings.append(_building(lot, passage_m, court, rng))
     side = street_m / 2
     near, far = side, size_m - side
@@ -149,10 +150,6 @@ def city(
             "city", size_m=size_m, difficulty=difficulty, passage_m=passage_m, seed=seed
         ),
     )
-
-
-def _between(ends: tuple[float, float], difficulty: float) -> float:
-    return ends[0] + difficulty * (ends[1] - ends[0])
 
 
 def _blocks(size_m: float, street_m: float, rng: np.random.Generator) -> list[_Lot]:

@@ -20,6 +20,18 @@ RANGES: dict[str, dict[str, tuple[float, float]]] = {
 """Values of a generator's parameters at difficulty 0 and 1."""
 
 
+def between(ends: tuple[float, float], difficulty: float) -> float:
+    """Return the value at a difficulty between those at 0 and 1.
+
+    Examples
+    --------
+    >>> between((0.6, 0.0), 0.5)
+    0.3
+    """
+    easy, hard = ends
+    return easy + difficulty * (hard - easy)
+
+
 def parameters_at(generator: str, difficulty: float) -> dict[str, float]:
     """Return the parameters of a generator that a difficulty sets.
 
@@ -46,7 +58,4 @@ def parameters_at(generator: str, difficulty: float) -> dict[str, float]:
     {'loops': 0.3}
     """
     share = number(generator, KNOB, difficulty, 0.0, 1.0)
-    return {
-        name: round(easy + share * (hard - easy), 6)
-        for name, (easy, hard) in RANGES[generator].items()
-    }
+    return {name: round(between(ends, share), 6) for name, ends in RANGES[generator].items()}

@@ -10,6 +10,7 @@ from shapely import Polygon
 from multisrt.environments.environment import Environment
 from multisrt.environments.formats.bitmap import polygons_between_lines
 from multisrt.environments.generators.as_drawn import starts_among
+from multisrt.environments.generators.difficulty import between
 from multisrt.environments.generators.parameters import call_text, number, rounded_up, seed_number
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.numerics.kernel import BoolArray, FloatArray, IntArray
@@ -101,14 +102,14 @@ def dungeon(
         )
 
     rng = np.random.default_rng(seed)
-    rooms = _rooms(columns, _between(ROOMS, difficulty), rng)
+    rooms = _rooms(columns, between(ROOMS, difficulty), rng)
     middles = rooms.cells(columns)
     inside = _inside(rooms, columns)
-    winding = _between(WINDING, difficulty)
+    winding = between(WINDING, difficulty)
     first, second = int(middles[0]), int(middles[-1])
     blind = rng.permutation(np.flatnonzero(~inside.ravel()))
     ends = blind[: round(DEAD_ENDS * difficulty * (columns / PLOT) ** 2)]
-    looped = middles[rng.random(len(middles)) < _between(LOOPS, difficulty)]
+    looped = middles[rng.random(len(middles)) < between(LOOPS, difficulty)]
     edges = np.vstack(
         [
             _corridors(columns, first, np.concatenate([middles, ends]), winding, inside, rng),
@@ -128,10 +129,6 @@ def dungeon(
             "dungeon", size_m=size_m, difficulty=difficulty, passage_m=passage_m, seed=seed
         ),
     )
-
-
-def _between(ends: tuple[float, float], difficulty: float) -> float:
-    return ends[0] + difficulty * (ends[1] - ends[0])
 
 
 def _rooms(columns: int, share: float, rng: np.random.Generator) -> _Rooms:

@@ -20,9 +20,11 @@ from multisrt.environments.cleaning import CleaningOptions, cleaned
 from multisrt.environments.environment import Environment
 from multisrt.environments.formats.geojson import degrees_hint
 from multisrt.environments.layers import left_out_names
-from multisrt.environments.pieces import Enclosing, inside, pieces, start_in, surrounding
+from multisrt.environments.parts import Enclosing, inside, parts_of, start_in, surrounding
 from multisrt.geometry.bodies.footprint import Footprint
+from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.simulation.rooms import body_fits, misfit
 
 SHARE: Final = 0.95
 """Default share of the main part that a body is to reach."""
@@ -37,7 +39,7 @@ MIN_BEYOND_SHARE: Final = 0.01
 """The same as a share of the main part, if that is less."""
 
 MAX_STARTS_LISTED: Final = 3
-"""Number of suggested starts with the same problem that are listed; the others are counted."""
+"""Number of starts with the same problem that are listed; the others are counted."""
 
 ARC_ERROR_M: Final = 1e-4
 """Maximum distance between arcs and the chords that replace them, in metres."""
@@ -66,12 +68,14 @@ class MapCheck:
         The separate parts of free space, the largest first.
     around : Enclosing or None
         The part that lies around others, such as the paper around a floor plan; see
-        `multisrt.environments.pieces.surrounding`.
+        `multisrt.environments.parts.surrounding`.
+    given_starts : tuple of Configuration
+        Where robots are to start, in metres and radians; empty if the suggested starts count.
     main : Polygon
-        The main part, which is checked: that of the first suggested start, or else the largest
-        that does not lie around others.
+        The main part, which is checked: that of the first start, or else the largest that does not
+        lie around others.
     start_parts : tuple of int
-        For each suggested start, the index in `parts` of the part that it is in.
+        For each of `starts`, the index in `parts` of the part that it is in.
     superfluous_vertices : int
         Number of vertices that lie on the line between their neighbours.
     passages : tuple of Passage
@@ -91,6 +95,7 @@ class MapCheck:
     share: float
     parts: tuple[Polygon, ...]
     around: Enclosing | None
+    given_starts: tuple[Configuration, ...]
     main: Polygon
     start_parts: tuple[int, ...]
     superfluous_vertices: int
@@ -98,6 +103,16 @@ class MapCheck:
     largest: LargestBody
     reachable: tuple[Polygon, ...]
     unreachable: tuple[Polygon, ...]
+
+    @property
+    def starts(self) -> tuple[tuple[float, float], ...]:
+        """The starts that were given, or else the suggested ones, as (x, y) in metres."""
+        return tuple((x, y) for x, y, _ in self.given_starts) or self.environment.starts
+
+    @property
+    def kind_of_start(self) -> str:
+        """What a start is called: ``"start"`` if it was given, else ``"suggested start"``."""
+        return "start" if self.given_starts else "suggested start"
 
     @property
     def reached_share(self) -> float:
@@ -139,7 +154,7 @@ class MapCheck:
 
     def _problem_of_parts(self) -> str:
         share = self.main.area / self.environment.area_m2
-        if share >= MIN_MAIN_SHARE:
+        if self.given_starts or share >= MIN_MAIN_SHARE:  # a start that is given chooses its part
             return ""
         said = f"only {100.0 * share:.1f} % of free space is in one part with "
         said += "the suggested start" if self.environment.starts else place_in(self.main)
@@ -168,38 +183,51 @@ class MapCheck:
         )
 
     def _problems_of_starts(self) -> list[str]:
-        radius = self.footprint.inscribed_radius_m - ROUNDING_M
+        radius, kind = self.footprint.inscribed_radius_m - ROUNDING_M, self.kind_of_start
         apart, narrow = [], []
-        for (x, y), number in zip(self.environment.starts, self.start_parts, strict=True):
+        for (x, y), number in zip(self.starts, self.start_parts, strict=True):
             if number != self.start_parts[0]:
                 apart.append((x, y))
-            elif (clearance := self.environment.clearance(x, y)) < radius:
+            elif not self.given_starts and (
+                (clearance := self.environment.clearance(x, y)) < radius
+            ):
                 narrow.append((clearance, x, y))
         found = []
         if apart:
             verb = "is" if len(apart) == 1 else "are"
-            found.append(f"the {_starts(apart)} {verb} in another part than the first")
+            found.append(f"the {_listed(apart, kind)} {verb} in another part than the first")
+        found += [
+            str(misfit(self.environment, self.footprint, start))
+            for start in self.given_starts
+            if not body_fits(self.environment, self.footprint, start)
+        ]
         if narrow:
             walls = "the nearest wall is" if len(narrow) == 1 else "the nearest walls are"
             nearest, farthest = (f"{of(narrow)[0]:.3g}" for of in (min, max))
             distances = nearest if nearest == farthest else f"{nearest} to {farthest}"
             found.append(
-                f"at the {_starts([place for _, *place in narrow])} the body {self.footprint} does "
-                f"not fit: {walls} at {distances} m"
+                f"at the {_listed([place for _, *place in narrow], kind)} the body "
+                f"{self.footprint} does not fit: {walls} at {distances} m"
             )
         return found
 
 
-def _starts(places: Sequence[Sequence[float]]) -> str:
-    """Return suggested starts as words, of many the first ones."""
+def _listed(places: Sequence[Sequence[float]], kind: str) -> str:
+    """Return starts of a kind as words, of many the first ones."""
     texts = [f"({x:g}, {y:g})" for x, y in places[:MAX_STARTS_LISTED]]
     if more := len(places) - len(texts):
         texts.append(f"{more} more")
     listed = texts[0] if len(texts) == 1 else f"{', '.join(texts[:-1])} and {texts[-1]}"
-    return f"suggested start{'s' * (len(places) > 1)} {listed}"
+    return f"{kind}{'s' * (len(places) > 1)} {listed}"
 
 
-def check_map(environment: Environment, footprint: Footprint, *, share: float = SHARE) -> MapCheck:
+def check_map(
+    environment: Environment,
+    footprint: Footprint,
+    *,
+    share: float = SHARE,
+    starts: Sequence[Configuration] = (),
+) -> MapCheck:
     """Check whether a world suits a body, and where it does not.
 
     Parameters
@@ -210,6 +238,9 @@ def check_map(environment: Environment, footprint: Footprint, *, share: float = 
         The body.
     share : float, optional
         Share of the main part that a body is to reach, above 0 and at most 1.
+    starts : sequence of Configuration, optional
+        Where robots are to start, in metres and radians, instead of the suggested starts. The part
+        of the first is the main part, whatever its size.
 
     Returns
     -------
@@ -219,7 +250,10 @@ def check_map(environment: Environment, footprint: Footprint, *, share: float = 
     Raises
     ------
     InvalidInputError
-        If the share is out of range.
+        If the share is out of range, or a start is not finite.
+    ClearanceError
+        If a given start is not in free space; the message gives the nearest place where the body
+        fits.
 
     Examples
     --------
@@ -232,13 +266,22 @@ def check_map(environment: Environment, footprint: Footprint, *, share: float = 
     (0.2, 0.5)
     >>> print(*check.problems)
     the body disc:0.25 reaches 50.0 % of the main part: take a smaller body, or widen passages
+    >>> left = check_map(rooms, Footprint.disc(0.25), share=0.4, starts=[Configuration(1.0, 2.0)])
+    >>> left.unreachable[0].contains(shapely.Point(6.0, 2.0)), left.problems
+    (True, ())
     """
     if not 0.0 < share <= 1.0:
         raise InvalidInputError(f"the share is {share:g}; it must be above 0 and at most 1")
-    parts, starts = pieces(environment), environment.starts
-    main = environment.component(*starts[0]) if starts else inside(environment)[0]
+    for start in starts:
+        if not all(map(math.isfinite, start)):
+            raise InvalidInputError(f"a start is finite, not {tuple(start)}")
+        if not environment.contains(start.x, start.y):
+            raise misfit(environment, footprint, start)
+    parts, given = parts_of(environment), tuple(starts)
+    places = tuple((x, y) for x, y, _ in given) or environment.starts
+    main = environment.component(*places[0]) if places else inside(environment)[0]
     tree = clearance_tree(main)
-    reachable = _reachable(environment, main, footprint.inscribed_radius_m)
+    reachable = _reachable(places[:1], main, footprint.inscribed_radius_m)
     _, cleaning = cleaned(environment.free, CleaningOptions())
     return MapCheck(
         environment=environment,
@@ -246,10 +289,9 @@ def check_map(environment: Environment, footprint: Footprint, *, share: float = 
         share=share,
         parts=parts,
         around=surrounding(environment),
+        given_starts=given,
         main=main,
-        start_parts=tuple(
-            parts.index(environment.component(*start)) for start in environment.starts
-        ),
+        start_parts=tuple(parts.index(environment.component(*place)) for place in places),
         superfluous_vertices=cleaning.removed_vertices,
         passages=tree.passages(
             min(MIN_BEYOND_M2, MIN_BEYOND_SHARE * main.area),
@@ -273,15 +315,17 @@ def _largest_radius_m(main: Polygon) -> float:
     return float(shapely.maximum_inscribed_circle(main, tolerance=tolerance).length)
 
 
-def _reachable(environment: Environment, main: Polygon, radius_m: float) -> tuple[Polygon, ...]:
-    # From the first suggested start, or else where the body reaches the most.
+def _reachable(
+    starts: Sequence[tuple[float, float]], main: Polygon, radius_m: float
+) -> tuple[Polygon, ...]:
+    # From the first start, or else where the body reaches the most.
     room = main.buffer(ROUNDING_M - radius_m, quad_segs=_segments(radius_m))
     areas = [area for area in shapely.get_parts(room) if not area.is_empty]
     if not areas:
         return ()
-    if not environment.starts:
+    if not starts:
         return (max(areas, key=lambda area: float(area.area)),)
-    start = shapely.Point(environment.starts[0])
+    start = shapely.Point(starts[0])
     return (min(areas, key=lambda area: float(area.distance(start))),)
 
 

@@ -1,4 +1,4 @@
-"""Candidates for completion in shells: worlds, strategies, their options, robots and faults.
+"""Candidates for completion in shells: worlds and their parameters, strategies and their options.
 
 Completion runs with every press of the tab key: nothing here imports compiled kernels, or files
 of others, which are read as text.
@@ -6,7 +6,7 @@ of others, which are read as text.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -136,14 +136,36 @@ def options(context: click.Context, parameter: click.Parameter, incomplete: str)
     if not known:
         return []
     shared = {key: known[0][key] for key in known[0] if all(key in own for own in known)}
-    key, equals, _ = incomplete.partition("=")
-    if equals and key in shared:
-        return _beginning((CompletionItem(f"{key}={w}") for w in shared[key].words), incomplete)
-    items = (
-        CompletionItem(f"{name}=", help=f"default {option.default}" if option.default else None)
-        for name, option in shared.items()
-    )
-    return _beginning(items, incomplete)
+    return _keys_or_values(shared, incomplete)
+
+
+def parameters(context: click.Context, parameter: click.Parameter, incomplete: str) -> Items:
+    """Return parameters ``NAME=`` of the generator given, or values where the name is complete.
+
+    Parameters
+    ----------
+    context, parameter
+        As click gives them; the environment counts if it stands before.
+    incomplete : str
+        What is there of the word.
+
+    Returns
+    -------
+    list of CompletionItem
+        The parameters that the generator lists, its seed, and its difficulty if it has one; without
+        those that are given already.
+    """
+    from multisrt.cli.source import Option, keywords_of
+    from multisrt.environments.catalog import generator_reference
+    from multisrt.environments.generators.difficulty import KNOB, RANGES
+
+    name = _argument(context, "environment")
+    module, _, function = generator_reference(name).partition(":")
+    found = keywords_of(module, function) if module else {}
+    if name in RANGES:
+        found.setdefault(KNOB, Option("", ()))
+    given = {text.partition("=")[0] for text in context.params.get(parameter.name or "") or ()}
+    return _keys_or_values({key: found[key] for key in found if key not in given}, incomplete)
 
 
 def robots(context: click.Context, parameter: click.Parameter, incomplete: str) -> Items:
@@ -170,6 +192,18 @@ def papers(context: click.Context, parameter: click.Parameter, incomplete: str) 
 def folders(context: click.Context, parameter: click.Parameter, incomplete: str) -> Items:
     """Return an item that lets the shell complete a folder; see `worlds`."""
     return [CompletionItem(incomplete, type="dir")]
+
+
+def _keys_or_values(options: Mapping[str, Option], incomplete: str) -> Items:
+    """Return the keys ``KEY=`` that begin so, or what follows ``KEY=`` if that is few words."""
+    key, equals, _ = incomplete.partition("=")
+    if equals and key in options:
+        return _beginning((CompletionItem(f"{key}={w}") for w in options[key].words), incomplete)
+    items = (
+        CompletionItem(f"{name}=", help=f"default {option.default}" if option.default else None)
+        for name, option in options.items()
+    )
+    return _beginning(items, incomplete)
 
 
 def _beginning(items: Iterable[CompletionItem], incomplete: str) -> Items:

@@ -156,8 +156,9 @@ for shell_name, shell_class in SHELLS.items():
 def completion(context: click.Context, shell: str) -> None:
     """Print a script that completes commands in a shell.
 
-    SHELL is bash, zsh or fish. The tab key then completes commands, options, worlds, strategies,
-    the options of the strategies, and files. The first lines of the script say where it belongs.
+    SHELL is bash, zsh or fish. The tab key then completes commands, options, worlds and their
+    parameters, strategies and their options, and files. The first lines of the script say where it
+    belongs.
 
     \b
     Examples:

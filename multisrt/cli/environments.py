@@ -10,7 +10,7 @@ import click
 
 from multisrt.cli import candidates
 from multisrt.cli.mistakes import CommandGroup, is_world
-from multisrt.cli.output_options import force_option, quiet_option
+from multisrt.cli.output_options import force_option, height_option, quiet_option
 from multisrt.cli.outputs import require_place, require_svg, stem_of
 from multisrt.cli.own_map import world_options
 from multisrt.cli.reach import areas, around
@@ -18,6 +18,7 @@ from multisrt.cli.run_options import world_of_options
 from multisrt.cli.tables import show as show_table
 from multisrt.cli.tables import table
 from multisrt.environments.area_text import area_text
+from multisrt.environments.written_suffixes import READABLE_SUFFIXES, SUFFIXES
 
 if TYPE_CHECKING:
     from multisrt.environments.environment import Environment
@@ -28,14 +29,15 @@ PROBLEM = 1
 SPECK_M = 0.01
 """Default size of the specks that --fix drops, in metres."""
 
-FIXED = (".yaml", ".geojson", ".wkt", ".svg", ".dxf")
-"""Suffixes of maps that are written and read; a test compares them with those of the formats."""
+FIXED = [usual for usual, *_ in SUFFIXES.values()]
+"""Suffixes of the copies that --fix writes."""
 
 CHECK_EXAMPLES = """
 \b
 Examples:
   multisrt environments check plan.png --resolution 0.05 --out check.svg
   multisrt environments check office --footprint box:0.6x0.4
+  multisrt environments check page.png --resolution 0.05 --start 7,7
   multisrt environments check drawn.geojson --fix clean.geojson
   multisrt environments check scan.yaml --fix scan.wkt --close 0.3
 
@@ -145,13 +147,7 @@ def show(
     metavar="M",
     help="Width of a pixel of .yaml (m).  [default: 0.05, wider for large worlds]",
 )
-@click.option(
-    "--height",
-    "height_m",
-    type=float,
-    metavar="M",
-    help="Height of walls in .stl and .glb (m).  [default: 1]",
-)
+@height_option()
 @world_options
 @quiet_option()
 def export(
@@ -250,6 +246,13 @@ def _parameters(name: str) -> str:
     help="Body (m): disc:R, box:LxW or 'polygon:x,y x,y ...'.",
 )
 @click.option(
+    "--start",
+    "starts",
+    multiple=True,
+    metavar="X,Y[,HEADING]",
+    help="Start of a robot (m, rad), whose part is the main part then; repeat it for a team.",
+)
+@click.option(
     "--share",
     type=click.FloatRange(0.0, 1.0, min_open=True),
     default=0.95,
@@ -292,6 +295,7 @@ def check(
     environment: str,
     *,
     footprint: str,
+    starts: tuple[str, ...],
     share: float,
     out: Path | None,
     fix: Path | None,
@@ -308,13 +312,15 @@ def check(
     """
     from multisrt.analysis.map_check import check_map
     from multisrt.cli.map_report import report
+    from multisrt.cli.run_options import start_of
     from multisrt.drawing import save_map_check_svg
     from multisrt.exporting import save_environment
-    from multisrt.exporting.worlds import READABLE_SUFFIXES
     from multisrt.exporting.written import require_suffix
     from multisrt.geometry.bodies.footprint import Footprint
+    from multisrt.geometry.configuration import Configuration
 
     body = Footprint.parse(footprint)
+    places = [Configuration(*start_of(text, "--start")) for text in starts]
     if fix is not None:
         require_suffix(fix, READABLE_SUFFIXES, "repaired copies")
     if fix is None and (names := [name for name in ("specks", "close", "simplify") if given[name]]):
@@ -328,7 +334,7 @@ def check(
     if fix is not None:
         world = _fixed(world, given)
         save_environment(world, fix, overwrite=force)
-    checked = check_map(world, body, share=share)
+    checked = check_map(world, body, share=share, starts=places)
     if out is not None:
         save_map_check_svg(checked, out)
     if not quiet:

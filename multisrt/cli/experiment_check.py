@@ -15,7 +15,7 @@ from multisrt.cli.reach import elsewhere
 from multisrt.cli.spec_files import read_experiment
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from multisrt.experiments.crossing import Condition, PlannedRun
     from multisrt.experiments.estimate import Estimate
@@ -114,7 +114,7 @@ def _poor_starts(planned: Sequence[PlannedRun]) -> dict[Condition, str]:
     """Return why the team does not fit in the first repetition of conditions, or what it misses."""
     import msgspec
 
-    from multisrt.environments.pieces import is_minor
+    from multisrt.environments.parts import is_poor_start
     from multisrt.experiments.mission import world_of
     from multisrt.geometry.errors import InvalidInputError
     from multisrt.simulation.starts import starts_of
@@ -129,12 +129,25 @@ def _poor_starts(planned: Sequence[PlannedRun]) -> dict[Condition, str]:
             try:
                 world = world_of(run.spec.environment)
                 x, y, _ = starts_of(run.spec, world)[0]
-                tried[alike] = elsewhere(world, (x, y)) if is_minor(world, x, y) else ""
+                poor = is_poor_start(world, x, y)
+                tried[alike] = (
+                    elsewhere(world, (x, y), _by_places(len(run.spec.robots))) if poor else ""
+                )
             except InvalidInputError as error:
                 tried[alike] = str(error)
         if tried[alike]:
             found[run.condition] = tried[alike]
     return found
+
+
+def _by_places(robots: int) -> Callable[[str], str]:
+    """Return how an experiment file says that a team starts at a place."""
+    others = ", ..." if robots > 1 else ""
+
+    def remedy(place: str) -> str:
+        return f"start inside with starts = [{{ places = [[{place}]{others}] }}]"
+
+    return remedy
 
 
 def _estimate(

@@ -8,7 +8,13 @@ from typing import TYPE_CHECKING, Any, Final
 import click
 
 from multisrt.cli.layers import without_option
-from multisrt.cli.output_options import EXPORT_NAME, force_option, out_file, quiet_option
+from multisrt.cli.output_options import (
+    EXPORT_NAME,
+    force_option,
+    height_option,
+    out_file,
+    quiet_option,
+)
 from multisrt.cli.outputs import require_place
 from multisrt.cli.recordings import recording_in
 
@@ -78,13 +84,7 @@ OPTIONS: Final = {
     help="Width of a cell of maps (m).  [default: 0.1 in a run, 0.05 in .yaml, wider in large "
     "worlds]",
 )
-@click.option(
-    "--height",
-    "height_m",
-    type=float,
-    metavar="M",
-    help="Height of walls in .stl and .glb (m).  [default: 1]",
-)
+@height_option()
 @without_option("export", "  Of .stl and .glb: paths, edges.")
 @quiet_option()
 def export(

@@ -61,7 +61,7 @@ def report(check: MapCheck) -> Iterator[str]:
     if world.layers is not None:
         yield str(world.layers)
     yield f"free space: {areas(world)}{_parts_of_starts(check)}"
-    if said := around(world):
+    if said := around(world, check.main):
         yield said
     here = "it" if len(check.parts) == 1 else f"the part of {area_text(check.main.area)} m2"
     if check.passages:
@@ -90,9 +90,11 @@ def _parts_of_starts(check: MapCheck) -> str:
         return ""
     used = sorted(set(check.start_parts))
     if len(check.parts) == 1:
-        return ", with all suggested starts"
+        return f", with all {check.kind_of_start}s"
     sizes = ", ".join(area_text(check.parts[number].area) for number in used)
-    return f"; the suggested starts are in {'that' if len(used) == 1 else 'those'} of {sizes} m2"
+    return (
+        f"; the {check.kind_of_start}s are in {'that' if len(used) == 1 else 'those'} of {sizes} m2"
+    )
 
 
 def _listed_areas(found: Sequence[Polygon]) -> str:

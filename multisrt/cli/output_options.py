@@ -1,4 +1,4 @@
-"""Options of output, which commands share: --out, --store, --force and --quiet.
+"""Options of output, which commands share: --out, --store, --force, --height and --quiet.
 
 A file made of recordings (a replay, an animation, a figure, an export) is written to the folder of
 the first recording unless ``--out`` names another place.
@@ -107,6 +107,23 @@ def force_option(what: str = "FILE") -> Decorator:
         The decorator of the command.
     """
     return click.option("--force", is_flag=True, help=f"Replace {what} if it exists.")
+
+
+def height_option() -> Decorator:
+    """Return the option --height of a command that writes solids.
+
+    Returns
+    -------
+    callable
+        The decorator of the command, which takes a keyword `height_m` of type float or None.
+    """
+    return click.option(
+        "--height",
+        "height_m",
+        type=float,
+        metavar="M",
+        help="Height of walls in .stl and .glb (m).  [default: 1]",
+    )
 
 
 def quiet_option(what: str = "errors") -> Decorator:

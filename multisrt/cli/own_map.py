@@ -10,6 +10,9 @@ from typing import Any
 
 import click
 
+from multisrt.cli import candidates
+from multisrt.cli.output_options import Decorator
+
 
 @dataclass(frozen=True, slots=True)
 class OwnMap:
@@ -28,7 +31,29 @@ class OwnMap:
         return f"--map {self.path.name}{image}{team}"
 
 
-def starts_from_option(when: str = "") -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+def resolution_option(when: str = "") -> Decorator:
+    """Return the option --resolution of a command that takes an image as a map.
+
+    Parameters
+    ----------
+    when : str
+        What precedes its help, such as ``"With --map: "``.
+
+    Returns
+    -------
+    callable
+        The decorator of the command, which takes a keyword `resolution` of type float or None.
+    """
+    first = "metres" if when else "Metres"
+    return click.option(
+        "--resolution",
+        type=click.FloatRange(min=0.0, min_open=True),
+        metavar="METRES",
+        help=f"{when}{first} per pixel of an image without its own.",
+    )
+
+
+def starts_from_option(when: str = "") -> Decorator:
     """Return the option --starts-from of a command that takes an image as a map.
 
     Parameters
@@ -69,12 +94,11 @@ def world_options(command: Callable[..., Any]) -> Callable[..., Any]:
             "parameters",
             multiple=True,
             metavar="NAME=VALUE",
+            shell_complete=candidates.parameters,
             help="Parameter of a generator, or its seed, as 'multisrt environments show ENV' lists "
             "them; repeatable.",
         ),
-        click.option(
-            "--resolution", type=float, help="Metres per pixel of an image without its own."
-        ),
+        resolution_option(),
         click.option(
             "--threshold",
             type=float,
@@ -124,12 +148,7 @@ def map_options(command: Callable[..., None]) -> Callable[..., None]:
             help="A map of your own instead of the worlds of the experiment; with minpos, of its "
             "hospital.",
         ),
-        click.option(
-            "--resolution",
-            type=click.FloatRange(min=0.0, min_open=True),
-            metavar="METRES",
-            help="With --map: metres per pixel of an image without its own.",
-        ),
+        resolution_option("With --map: "),
         starts_from_option("With --map: "),
     )
     decorated: Callable[..., None] = with_map

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from multisrt.environments.area_text import area_text
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from shapely import Polygon
 
@@ -16,11 +16,22 @@ if TYPE_CHECKING:
 MIN_SHARE = 0.9
 """Share of free space; if the robots can reach less, the summary says so."""
 
-PAGE = "if it is the page around a building, explore the inside with"
+PAGE = "if it is the page around a building"
 """Beginning of the remedy where it is not sure what a part is."""
 
 MAX_AREAS = 5
 """Number of parts that are listed by size."""
+
+
+def by_option(place: str) -> str:
+    """Return how `multisrt explore` is told to start at a place ``X,Y``.
+
+    Examples
+    --------
+    >>> by_option("7.00,7.00")
+    'explore the inside with --start 7.00,7.00'
+    """
+    return f"explore the inside with --start {place}"
 
 
 def areas(environment: Environment) -> str:
@@ -36,20 +47,27 @@ def areas(environment: Environment) -> str:
     >>> areas(Environment("a room", shapely.box(0, 0, 2, 2)))
     '1 part'
     """
-    from multisrt.environments.pieces import pieces
+    from multisrt.environments.parts import parts_of
 
-    sizes = [piece.area for piece in pieces(environment)]
+    sizes = [part.area for part in parts_of(environment)]
     if len(sizes) == 1:
         return "1 part"
     listed = ", ".join(area_text(size) for size in sizes[:MAX_AREAS])
     return f"{len(sizes)} separate parts ({listed}{', ...' * (len(sizes) > MAX_AREAS)} m2)"
 
 
-def around(environment: Environment) -> str:
+def around(environment: Environment, here: Polygon | None = None) -> str:
     """Return a note on the part of a world that lies around others; empty if there is none.
 
     Where it may be a page around a building as well as a hall with closed rooms, it says how to
     start inside.
+
+    Parameters
+    ----------
+    environment : Environment
+        The world.
+    here : Polygon, optional
+        The part in which robots start, if that is known; inside, nothing is said of how to.
 
     Examples
     --------
@@ -60,7 +78,7 @@ def around(environment: Environment) -> str:
     >>> around(plan)
     'the part of 36 m2 lies around the others: it touches the border of the map'
     """
-    from multisrt.environments.pieces import enclosing, start_in, surrounding
+    from multisrt.environments.parts import enclosing, start_in, surrounding
 
     found = surrounding(environment)
     if found is None:
@@ -70,12 +88,16 @@ def around(environment: Environment) -> str:
         f"{'the others' if len(found.inside) + 1 == len(environment.components) else 'others'}: "
         "it touches the border of the map"
     )
-    if enclosing(environment) is not None:
+    if enclosing(environment) is not None or (here is not None and here is not found.area):
         return said
-    return f"{said}; {PAGE} --start {start_in(found.inside[0])}"
+    return f"{said}; {PAGE}, {by_option(start_in(found.inside[0]))}"
 
 
-def elsewhere(environment: Environment, start: Sequence[float]) -> str:
+def elsewhere(
+    environment: Environment,
+    start: Sequence[float],
+    remedy: Callable[[str], str] = by_option,
+) -> str:
     """Return a note if a team starts in a minor one of several parts; empty if it does not.
 
     Parameters
@@ -84,6 +106,8 @@ def elsewhere(environment: Environment, start: Sequence[float]) -> str:
         The world.
     start : (x, y, ...)
         Where a robot starts, in metres; all robots of a team start in the same part.
+    remedy : callable, optional
+        Takes a place ``X,Y`` and returns how robots are made to start there.
 
     Returns
     -------
@@ -102,7 +126,7 @@ def elsewhere(environment: Environment, start: Sequence[float]) -> str:
     >>> elsewhere(rooms, (1.0, 1.0, 0.0)).partition("; ")[2]
     'the largest has 6 m2, e.g. at (4.50, 1.00)'
     """
-    from multisrt.environments.pieces import enclosing, inside, start_in, surrounding
+    from multisrt.environments.parts import enclosing, inside, start_in, surrounding
 
     here = environment.component(*start[:2])
     share = here.area / environment.area_m2
@@ -121,7 +145,7 @@ def elsewhere(environment: Environment, start: Sequence[float]) -> str:
             f"inside has {area_text(largest.area)} m2, e.g. at {_place(largest)}"
         )
         is_page = enclosing(environment) is not None
-        return said if is_page else f"{said}; {PAGE} --start {start_in(largest)}"
+        return said if is_page else f"{said}; {PAGE}, {remedy(start_in(largest))}"
     largest = inside(environment)[0]
     if here.area < largest.area:
         said += f"; the largest has {area_text(largest.area)} m2, e.g. at {_place(largest)}"

@@ -155,6 +155,28 @@ def parameters_of(texts: Iterable[str]) -> dict[str, Any]:
     return {name: _scalar(text) for name, text in (_key_and_value(text, "--set") for text in texts)}
 
 
+def start_of(text: str, option: str) -> tuple[float, ...]:
+    """Return a start ``X,Y`` or ``X,Y,HEADING``, in metres and radians.
+
+    Raises
+    ------
+    click.BadParameter
+        If a text is neither; it names the option.
+
+    Examples
+    --------
+    >>> start_of("2.5,4", "--start")
+    (2.5, 4.0)
+    """
+    try:
+        numbers = tuple(float(part) for part in text.split(","))
+    except ValueError:
+        numbers = ()
+    if len(numbers) in (2, 3):
+        return numbers
+    raise click.BadParameter(f"{text!r} is not X,Y or X,Y,HEADING", param_hint=option)
+
+
 def _scalar(text: str) -> int | float | bool | str:
     if text in ("true", "false"):
         return text == "true"
@@ -182,7 +204,7 @@ def _renamed(given: Mapping[str, Any], /, **fields: str) -> dict[str, Any]:
 
 
 def _team(given: Mapping[str, Any]) -> tuple[RobotSpec, ...]:
-    places = [_start(text, "--start") for text in given["start"]]
+    places = [start_of(text, "--start") for text in given["start"]]
     differing = [_overrides(text) for text in given["robot"]]
     count = given["robots"]
     if count is None:
@@ -281,7 +303,7 @@ def _overrides(text: str) -> dict[str, Any]:
                 f"{', '.join(DRIVES)}"
             )
         else:
-            values[key] = _start(value, "--robot") if key == "start" else value
+            values[key] = start_of(value, "--robot") if key == "start" else value
     return values
 
 
@@ -305,16 +327,6 @@ def _fault(text: str) -> Fault:
     return Silence(
         robot=robot, time_s=time_s, duration_s=_number(found["duration"], float, "--fault")
     )
-
-
-def _start(text: str, option: str) -> tuple[float, ...]:
-    try:
-        numbers = tuple(float(part) for part in text.split(","))
-    except ValueError:
-        numbers = ()
-    if len(numbers) in (2, 3):
-        return numbers
-    raise click.BadParameter(f"{text!r} is not X,Y or X,Y,HEADING", param_hint=option)
 
 
 def _key_and_value(text: str, option: str) -> tuple[str, str]:

@@ -1,7 +1,8 @@
-"""Strategies of one's own as their files say, which are read and never imported.
+"""Strategies of one's own, and generators, as their files say, which are read and never imported.
 
-For completion: code of others does not run because a key is pressed. What is computed when a file
-is imported is not found here: names and options that the file does not spell out are left out.
+For completion: code of others does not run, and kernels are not loaded, because a key is pressed.
+What is computed when a file is imported is not found here: names and options that the file does not
+spell out are left out.
 """
 
 from __future__ import annotations
@@ -76,6 +77,38 @@ def strategies_in(place: str) -> dict[str, OwnStrategy]:
         return _strategies_of(source)
     except RecursionError:  # a name that stands for itself
         return {}
+
+
+def keywords_of(module: str, function: str) -> dict[str, Option]:
+    """Return the parameters of a function that are given by name, in their order.
+
+    Parameters
+    ----------
+    module, function : str
+        The module, and the name of the function in it.
+
+    Returns
+    -------
+    dict of str to Option
+        Empty if there is no such function.
+
+    Examples
+    --------
+    >>> keywords_of("multisrt.environments.generators.open", "open_hall")["columns"]
+    Option(default='0', words=())
+    """
+    path = _path_of(module, Path())
+    source = None if path is None else _source(path)
+    node = None if source is None else source.defined.get(function)
+    if source is None or not isinstance(node, ast.FunctionDef):
+        return {}
+    return {
+        one.arg: Option(
+            _written(default),
+            () if one.annotation is None else tuple(_words(source, one.annotation)),
+        )
+        for one, default in zip(node.args.kwonlyargs, node.args.kw_defaults, strict=True)
+    }
 
 
 def _strategies_of(source: Source) -> dict[str, OwnStrategy]:

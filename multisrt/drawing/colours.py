@@ -222,7 +222,7 @@ class RobotStyles:
 
 def shade(colour: str, black: float) -> str:
     """Return a colour, ``#rrggbb``, mixed with a share of black from 0 to 1."""
-    return _hex((1.0 - black) * channel for channel in _channels(colour))
+    return _hex((1.0 - black) * channel for channel in channels(colour))
 
 
 def tint(colour: str, strength: float) -> str:
@@ -240,12 +240,20 @@ def tint(colour: str, strength: float) -> str:
     str
         The mixed colour, as ``#rrggbb``.
     """
-    return _hex(255 - strength * (255 - channel) for channel in _channels(colour))
+    return _hex(255 - strength * (255 - channel) for channel in channels(colour))
 
 
-def _channels(colour: str) -> tuple[int, ...]:
-    return tuple(int(colour[i : i + 2], 16) for i in (1, 3, 5))
+def channels(colour: str) -> tuple[int, int, int]:
+    """Return red, green and blue of a colour, ``#rrggbb``, from 0 to 255.
+
+    Examples
+    --------
+    >>> channels("#0072b2")
+    (0, 114, 178)
+    """
+    red, green, blue = bytes.fromhex(colour[1:])
+    return red, green, blue
 
 
-def _hex(channels: Iterable[float]) -> str:
-    return "#" + "".join(f"{round(channel):02x}" for channel in channels)
+def _hex(mixed: Iterable[float]) -> str:
+    return "#" + "".join(f"{round(channel):02x}" for channel in mixed)

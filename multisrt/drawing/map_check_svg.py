@@ -86,15 +86,14 @@ def map_check_svg(check: MapCheck) -> str:
     others = _apart(check.passages[len(check.blocking) :], sheet.metres(RING_MM))[:MAX_MARKED]
     _mark(sheet, "narrow passage", PASSAGE, others)
     _mark(sheet, "passage that is too narrow", BLOCKED, blocked)
-    if world.starts:
-        layer = sheet.layer("suggested starts", SUGGESTED_START)
+    if check.starts:
+        kind = check.kind_of_start
+        layer = sheet.layer(f"{kind}s", SUGGESTED_START)
         size = sheet.metres(START_MM)
-        path = "".join(sheet.pen.marker("diamond", x, y, size) for x, y in world.starts)
+        path = "".join(sheet.pen.marker("diamond", x, y, size) for x, y in check.starts)
         child(layer, "path", d=path)
         sheet.legend.append(
-            LegendEntry(
-                label="suggested start", style=SUGGESTED_START, marker="diamond", size_mm=START_MM
-            )
+            LegendEntry(label=kind, style=SUGGESTED_START, marker="diamond", size_mm=START_MM)
         )
     _write_widths(sheet, (*blocked, *others))
     return sheet.svg()

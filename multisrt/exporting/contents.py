@@ -13,6 +13,9 @@ from multisrt.events import Pose
 from multisrt.exporting.grids import Cells
 from multisrt.geometry.numerics.arrays import FloatArray
 
+Colour = tuple[float, float, float, float]
+"""Red, green, blue and opacity, from 0 to 1."""
+
 State = Literal["not started", "on", "silent", "dead"]
 """State of a robot: waiting for a late start, exploring or done, without radio, dead."""
 

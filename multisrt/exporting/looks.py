@@ -7,18 +7,15 @@ from typing import Final
 import numpy as np
 from mapbox_earcut import triangulate_float64
 
-from multisrt.drawing.colours import INK, VERMILION, RobotStyles
-from multisrt.exporting.contents import State
+from multisrt.drawing.colours import INK, VERMILION, RobotStyles, channels
+from multisrt.exporting.contents import Colour, State
 from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.numerics.arrays import FloatArray
 
-Colour = tuple[float, float, float, float]
-"""Red, green, blue and opacity, from 0 to 1."""
-
 
 def _rgba(colour: str, opacity: float = 1.0) -> Colour:
-    red, green, blue = (int(colour[i : i + 2], 16) / 255.0 for i in (1, 3, 5))
-    return red, green, blue, opacity
+    red, green, blue = channels(colour)
+    return red / 255.0, green / 255.0, blue / 255.0, opacity
 
 
 FRONTIER: Final = _rgba(VERMILION)

@@ -12,13 +12,11 @@ from shapely.geometry.base import BaseGeometry
 
 from multisrt.environments.environment import Environment
 from multisrt.exporting.grids import Cells
+from multisrt.exporting.options import require_cell_width
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.numerics.arrays import FloatArray
 from multisrt.geometry.regions.boundary import OBSTACLE
 from multisrt.geometry.regions.safe_region import LocalSafeRegion
-
-MIN_CELL_M, MAX_CELL_M = 1e-3, 1e3
-"""Bounds of the width of a cell, in metres."""
 
 SURFACE_M = 1e-4
 """Distance up to which an edge of known space counts as lying on a surface, in metres."""
@@ -59,11 +57,7 @@ class MapOptions:
 
     def __post_init__(self) -> None:
         # Written so that NaN is refused, too.
-        if self.cell_m is not None and not MIN_CELL_M <= self.cell_m <= MAX_CELL_M:
-            raise InvalidInputError(
-                f"cells of maps must be {MIN_CELL_M:g} to {MAX_CELL_M:g} m wide, "
-                f"not {self.cell_m:g}"
-            )
+        require_cell_width(self.cell_m)
         for what, length_m in (("height", self.height_m), ("thickness", self.thickness_m)):
             if not MIN_LENGTH_M <= length_m <= MAX_LENGTH_M:
                 raise InvalidInputError(

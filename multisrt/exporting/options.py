@@ -21,6 +21,21 @@ MIN_CELL_M, MAX_CELL_M = 1e-3, 1e3
 """Bounds of the width of a cell, in metres."""
 
 
+def require_cell_width(cell_m: float | None) -> None:
+    """Check the width of the cells of maps, in metres; None is the default of a format.
+
+    Raises
+    ------
+    InvalidInputError
+        If it is out of range.
+    """
+    # Written so that NaN is refused, too.
+    if cell_m is not None and not MIN_CELL_M <= cell_m <= MAX_CELL_M:
+        raise InvalidInputError(
+            f"cells of maps must be {MIN_CELL_M:g} to {MAX_CELL_M:g} m wide, not {cell_m:g}"
+        )
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ExportOptions:
     """Options for exporting a run to other programs: layers and sampling rates.
@@ -66,9 +81,5 @@ class ExportOptions:
                 f"the interval of maps must be from {MIN_INTERVAL_S:g} to {MAX_S:g} s, "
                 f"not {self.map_interval_s:g}"
             )
-        if self.cell_m is not None and not MIN_CELL_M <= self.cell_m <= MAX_CELL_M:
-            raise InvalidInputError(
-                f"cells of maps must be {MIN_CELL_M:g} to {MAX_CELL_M:g} m wide, "
-                f"not {self.cell_m:g}"
-            )
+        require_cell_width(self.cell_m)
         left_out(self.without, "export")

@@ -12,6 +12,7 @@ import numpy as np
 
 from multisrt.events import Pose
 from multisrt.exporting.cdr import CdrWriter
+from multisrt.exporting.contents import Colour
 from multisrt.exporting.grids import Cells, Grid
 from multisrt.geometry.numerics.arrays import FloatArray
 
@@ -26,9 +27,6 @@ ADD, DELETE = 0, 2
 
 INFO, WARN = 20, 30
 """Levels of logged messages."""
-
-Colour = tuple[float, float, float, float]
-"""Red, green, blue and opacity, from 0 to 1."""
 
 _TIME, _POSE, _GRID = Struct("<iI"), Struct("<7d"), Struct("<fII")
 _VECTOR, _COLOUR, _MARKER, _DURATION = Struct("<3d"), Struct("<4f"), Struct("<3i"), Struct("<iI")

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Final
 
 from multisrt.environments.environment import Environment
-from multisrt.environments.formats import FORMATS
+from multisrt.environments.written_suffixes import SUFFIXES
 from multisrt.exporting.drawings import dxf_bytes, svg_bytes
 from multisrt.exporting.known_map import known_content, world_content
 from multisrt.exporting.map_content import MapContent, MapOptions
@@ -67,15 +67,17 @@ _WALLS: Final = ("height_m", "thickness_m")
 MAP_WRITERS: Final = (
     MapWriter(
         name="ROS map server",
-        suffixes=(".yaml", ".yml"),
+        suffixes=SUFFIXES["ROS map server"],
         files=map_server_files,
         others=(".pgm",),
         options=("cell_m",),
     ),
-    MapWriter(name="GeoJSON", suffixes=(".geojson", ".json"), files=_drawn(geojson_bytes)),
-    MapWriter(name="well-known text", suffixes=(".wkt",), files=_drawn(wkt_bytes)),
-    MapWriter(name="SVG", suffixes=(".svg",), files=_drawn(svg_bytes)),
-    MapWriter(name="DXF", suffixes=(".dxf",), files=_drawn(dxf_bytes)),
+    MapWriter(name="GeoJSON", suffixes=SUFFIXES["GeoJSON"], files=_drawn(geojson_bytes)),
+    MapWriter(
+        name="well-known text", suffixes=SUFFIXES["well-known text"], files=_drawn(wkt_bytes)
+    ),
+    MapWriter(name="SVG", suffixes=SUFFIXES["SVG"], files=_drawn(svg_bytes)),
+    MapWriter(name="DXF", suffixes=SUFFIXES["DXF"], files=_drawn(dxf_bytes)),
     MapWriter(name="STL", suffixes=(".stl",), files=_solid(stl_bytes), options=_WALLS),
     MapWriter(name="GLB", suffixes=(".glb",), files=_solid(glb_bytes), options=_WALLS),
 )
@@ -83,13 +85,6 @@ MAP_WRITERS: Final = (
 
 MAP_SUFFIXES: Final = {suffix: writer.name for writer in MAP_WRITERS for suffix in writer.suffixes}
 """Names of the formats by suffix."""
-
-READABLE_SUFFIXES: Final = {
-    suffix: name
-    for suffix, name in MAP_SUFFIXES.items()
-    if any(suffix in known.suffixes for known in FORMATS)
-}
-"""Those of them that `multisrt.read_environment` reads, too: all but solids."""
 
 
 def save_environment(

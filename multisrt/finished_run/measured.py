@@ -24,6 +24,8 @@ class MeasuredRun:
     def __init__(self, recording: Recording, environment: Environment | None = None) -> None:
         self.recording = recording
         self.environment = recording.environment() if environment is None else environment
+        # A recording does not have them.
+        self._suggested_starts = None if environment is None else environment.starts
 
     @property
     def spec(self) -> RunSpec:

@@ -10,7 +10,7 @@ import msgspec
 from multisrt.extras.notebook import Text
 from multisrt.finished_run.pictured import PicturedRun
 from multisrt.recording import atomic_write
-from multisrt.simulation.worlds import with_digest
+from multisrt.simulation.worlds import with_record
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -137,7 +137,8 @@ class Run(PicturedRun):
         10.0
         """
         with atomic_write(Path(path)) as file:
-            file.write(with_digest(self.spec, self.environment.digest).to_toml().encode())
+            spec = with_record(self.spec, self.environment.digest, self._suggested_starts)
+            file.write(spec.to_toml().encode())
 
     def save_summary(self, path: str | Path) -> None:
         """Write spec, outcome, reason, digest and metrics as JSON.

@@ -18,7 +18,7 @@ from multisrt.simulation.faults import late_starts
 from multisrt.simulation.radio import Radio
 from multisrt.simulation.random_streams import RandomStreams
 from multisrt.simulation.starts import starts_of
-from multisrt.simulation.worlds import build_environment, require_digest, with_digest
+from multisrt.simulation.worlds import build_environment, require_recorded, with_record
 from multisrt.spec import RunSpec
 
 
@@ -75,7 +75,8 @@ def set_up(
     Raises
     ------
     InvalidInputError
-        If the spec cannot be run (the world or its digest, a start, the strategy or its options).
+        If the spec cannot be run (the world, its digest or starts, a start, the strategy or its
+        options).
     """
     # Equal specs give equal runs, also where one has whole numbers and the other has fractions.
     spec = spec.canonical()
@@ -85,9 +86,9 @@ def set_up(
     if environment is None:
         environment = build_environment(spec.environment)
     else:
-        require_digest(spec.environment, environment)
+        require_recorded(spec.environment, environment)
     # A check of the file, on which the run does not depend: its recording is that without it.
-    spec = with_digest(spec, None)
+    spec = with_record(spec, None, None)
     streams = RandomStreams(spec.seed)
     starts = starts_of(spec, environment, streams)
     team_range_m = max(robot.range_finder.range_m for robot in spec.robots)

@@ -15,7 +15,7 @@ from shapely.geometry.base import BaseGeometry
 from multisrt.environments.area_text import area_text
 from multisrt.environments.environment import Environment
 from multisrt.environments.formats.geojson import degrees_hint
-from multisrt.environments.pieces import enclosing, inside
+from multisrt.environments.parts import enclosing, inside
 from multisrt.geometry.bodies.collision import Body, body_distance
 from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
@@ -51,7 +51,7 @@ def starts_of(
     Robots with a start in the spec start there. A single robot without one starts at the first
     suggested start of the environment that its body fits at or, if the environment suggests none,
     at a position drawn uniformly where it has room in any heading, but not in a part that lies
-    around a building (`multisrt.environments.pieces.inside`). In a team, robots are
+    around a building (`multisrt.environments.parts.inside`). In a team, robots are
     scattered, each at the one of `CANDIDATES` such positions that is farthest from the others,
     with a random heading; or each at such a position where it has room beside the others; or at the
     suggested starts, in their order; or clustered around the first one, which starts like a single
@@ -110,7 +110,7 @@ def drawn_start(
 ) -> Configuration:
     """Return a random configuration, uniform where a body has room in any heading.
 
-    It is not in a part that lies around a building (`multisrt.environments.pieces.inside`).
+    It is not in a part that lies around a building (`multisrt.environments.parts.inside`).
 
     Raises
     ------

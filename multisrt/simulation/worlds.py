@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +24,9 @@ from multisrt.spec import (
     Scalar,
     SuiteEnvironment,
 )
+
+MAX_STARTS_LISTED = 3
+"""Number of suggested starts that messages list."""
 
 
 def environment_spec(
@@ -154,7 +157,7 @@ def build_environment(spec: EnvironmentSpec) -> Environment:
             threshold=spec.threshold,
             starts_from=spec.starts_from,
         )
-        require_digest(spec, world)
+        require_recorded(spec, world)
         return world
     try:
         with np.errstate(invalid="ignore"):  # NaN coordinates are refused below
@@ -164,26 +167,43 @@ def build_environment(spec: EnvironmentSpec) -> Environment:
     return Environment(spec.name, free, starts=spec.starts)
 
 
-def require_digest(spec: EnvironmentSpec, environment: Environment) -> None:
-    """Check that a world from a file is that of which the spec has the digest.
+def require_recorded(spec: EnvironmentSpec, environment: Environment) -> None:
+    """Check that a world from a file has the digest and the suggested starts that the spec has.
 
     Raises
     ------
     InvalidInputError
-        If it is another one.
+        If it has others.
     """
-    if not isinstance(spec, FileEnvironment) or spec.digest in (None, environment.digest):
+    if not isinstance(spec, FileEnvironment):
         return
-    found, given = environment.digest[:12], str(spec.digest)[:12]
-    raise InvalidInputError(
-        f"{spec.path} holds another world than when the spec was written: its free space has the "
-        f"digest {found}..., and the spec has {given}...; restore the file, or remove the line "
-        "'digest' from the spec to explore the world that it holds now"
-    )
+    if spec.digest not in (None, environment.digest):
+        found, given = environment.digest[:12], str(spec.digest)[:12]
+        raise InvalidInputError(
+            f"{spec.path} holds another world than when the spec was written: its free space has "
+            f"the digest {found}..., and the spec has {given}...; restore the file, or remove the "
+            "line 'digest' from the spec to explore the world that it holds now"
+        )
+    if spec.starts not in (None, environment.starts):
+        raise InvalidInputError(
+            f"{spec.starts_from or spec.path} suggests other starts than when the spec was "
+            f"written: {_listed(environment.starts)}, and the spec has "
+            f"{_listed(spec.starts or ())}; restore the file, or remove the line 'starts' from the "
+            "spec to start where it suggests now"
+        )
 
 
-def with_digest(spec: RunSpec, digest: str | None) -> RunSpec:
-    """Return a spec with the digest of its world if that is from a file, or without it.
+def _listed(starts: Sequence[tuple[float, float]]) -> str:
+    texts = [f"({x:g}, {y:g})" for x, y in starts[:MAX_STARTS_LISTED]]
+    if more := len(starts) - len(texts):
+        texts.append(f"{more} more")
+    return ", ".join(texts) or "none"
+
+
+def with_record(
+    spec: RunSpec, digest: str | None, starts: tuple[tuple[float, float], ...] | None
+) -> RunSpec:
+    """Return a spec with what its world was if that is from a file, or without it.
 
     Parameters
     ----------
@@ -191,14 +211,18 @@ def with_digest(spec: RunSpec, digest: str | None) -> RunSpec:
         The spec of a run.
     digest : str or None
         Digest of its world, `Environment.digest`.
+    starts : tuple of (x, y) or None
+        Suggested starts of its world in metres. They are left out if no robot may start there.
 
     Examples
     --------
     >>> spec = RunSpec(environment=FileEnvironment(path="hall.wkt"))
-    >>> with_digest(spec, "1f0c").environment.digest
-    '1f0c'
+    >>> with_record(spec, "1f0c", ((2.0, 3.0),)).environment
+    FileEnvironment(path='hall.wkt', digest='1f0c', starts=((2.0, 3.0),))
     """
-    if not isinstance(spec.environment, FileEnvironment) or spec.environment.digest == digest:
+    if not isinstance(spec.environment, FileEnvironment):
         return spec
-    file = msgspec.structs.replace(spec.environment, digest=digest)
+    if all(robot.start is not None for robot in spec.robots):
+        starts = None
+    file = msgspec.structs.replace(spec.environment, digest=digest, starts=starts)
     return msgspec.structs.replace(spec, environment=file)

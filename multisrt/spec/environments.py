@@ -67,6 +67,10 @@ class FileEnvironment(Part, frozen=True, kw_only=True, tag_field="from", tag="fi
         Digest of the free space that the file is to hold, as `Environment.digest` returns it; a
         file that holds another world is an error. None: whatever the file holds. It is no part of
         the spec in a recording, since a run does not depend on it.
+    starts : tuple of (x, y) or None
+        Suggested starts in metres that the file is to hold, or the one of `starts_from`; others are
+        an error. None: whatever it holds. It is no part of the spec in a recording, either, which
+        has the starts of the robots.
 
     Examples
     --------
@@ -83,6 +87,7 @@ class FileEnvironment(Part, frozen=True, kw_only=True, tag_field="from", tag="fi
     threshold: float | None = None
     starts_from: str | None = None
     digest: str | None = None
+    starts: tuple[tuple[float, float], ...] | None = None
 
 
 class InlineEnvironment(Part, frozen=True, kw_only=True, tag_field="from", tag="wkt"):

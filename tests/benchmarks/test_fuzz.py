@@ -9,9 +9,10 @@ import pytest
 import shapely
 
 from benchmarks.fuzz import judging
-from benchmarks.fuzz.command import Report, campaign, main, shares, write
+from benchmarks.fuzz.command import Report, main, report_of, shares, write
 from benchmarks.fuzz.judging import Outcome, Verdict, flaw_of_message, flaw_of_world, judge
 from benchmarks.fuzz.mutations import MAX_BYTES
+from benchmarks.fuzz.processes import Campaign
 from benchmarks.fuzz.targets import TARGETS, Target
 from multisrt.environments.environment import Environment
 from multisrt.geometry.errors import MapFormatError
@@ -120,7 +121,8 @@ def test_processes_that_end_are_replaced(fault, verdict, tmp_path, monkeypatch):
     def read(path):
         return fault(path) if path.read_bytes() == bad else HALL
 
-    report = campaign(target_of(read), 0, numbers, 2, calls)
+    campaign = Campaign(target=target_of(read), seed=0, numbers=numbers, workers=2)
+    report = report_of(campaign, calls)
     assert report.counts == {Verdict.READ: 8, verdict: 1}
     assert list(report.faults.values()) == [[numbers[4]]]
     assert [path.read_bytes() for path in calls.iterdir()] == [bad]

@@ -2,7 +2,7 @@ import os
 
 import pytest
 
-from multisrt.environments.formats import moving_ai_scenario, read_environment
+from multisrt.environments.formats import files, read_environment
 from multisrt.geometry.errors import MapFormatError
 
 GRID = "type octile\nheight 3\nwidth 5\nmap\n.G.S.\n.@T.W\n..O..\n"
@@ -58,7 +58,7 @@ def test_a_grid_of_another_size_lies_over_the_map(read):
 
 
 def test_starts_are_bounded(read, monkeypatch):
-    monkeypatch.setattr(moving_ai_scenario, "MAX_STARTS", 1)
+    monkeypatch.setattr(files, "MAX_STARTS", 1)
     assert read(SECOND, FIRST).starts == ((2.25, 0.25),)
 
 

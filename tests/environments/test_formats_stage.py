@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
 
-from multisrt.environments.formats import read_environment, stage
+from multisrt.environments.formats import files, read_environment, stage
 from multisrt.environments.formats.map_format import Beginning
 from multisrt.geometry.errors import MapFormatError
 
@@ -278,7 +278,7 @@ def test_an_included_definition_is_used(read, tmp_path):
 
 
 def test_starts_are_bounded_and_distinct(read, monkeypatch):
-    monkeypatch.setattr(stage, "MAX_STARTS", 3)
+    monkeypatch.setattr(files, "MAX_STARTS", 3)
     robots = "".join(f"position ( pose [{n // 2 / 10} 0 0 0] )" for n in range(20))
     assert read(PLAIN + robots).starts == ((0, 0), (0.1, 0), (0.2, 0))
 

@@ -9,11 +9,13 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image, ImageDraw
+from shapely import Polygon
 
 from multisrt.drawing import save_environment_svg
 from multisrt.environments import Environment, environment
 from multisrt.environments.formats import format_of, read_environment, regions
-from multisrt.environments.formats.regions import Pen, filled, stroked
+from multisrt.environments.formats.files import MAX_STARTS
+from multisrt.environments.formats.regions import Pen, filled, stroked, union_of
 from multisrt.environments.formats.svg.lengths import matrix
 from multisrt.environments.formats.svg.path_data import subpaths
 from multisrt.geometry.errors import MapFormatError
@@ -796,3 +798,54 @@ def test_names_of_layers_cannot_control_a_terminal(tmp_path):
     )
     assert str(world.layers).isprintable()
     assert len(world.layers.left_out[0].name) == 40
+
+
+def test_starts_outside_free_space_are_left_out_by_repairs(tmp_path):
+    path = tmp_path / "plan.svg"
+    path.write_text(
+        '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 10 8">\n'
+        '<rect class="wall" x="4" y="0" width="2" height="8"/>\n'
+        '<circle class="start" cx="2" cy="3" r=".5"/>\n'
+        '<path class="start" d="M1 1h1v1z M5 5h.1v.1z"/></svg>'
+    )
+    with pytest.raises(MapFormatError) as refused:
+        read_environment(path, resolution_m=1.0)
+    assert str(refused.value).startswith(
+        f"{path}, line 4, <path>: the suggested start (5.05, 2.95) is not in free space, but "
+        "0.95 m away from it; move it or remove it; 'multisrt environments check FILE --fix OUT'"
+    )
+    world = read_environment(path, resolution_m=1.0, repair=True)
+    assert world.starts == ((2, 5), (1.5, 6.5))
+    assert world.cleaning.removed_starts == 1
+    assert world.area_m2 == 64
+
+
+def test_equal_starts_count_once_and_of_many_the_first(tmp_path):
+    path = tmp_path / "plan.svg"
+    path.write_text(
+        '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 2000 8">'
+        '<rect class="wall" x="0" y="7" width="2000" height="1"/>'
+        + '<circle class="start" cx="3" cy="3" r=".5"/>' * 2
+        + "".join(f'<circle class="start" cx="{x}" cy="3" r=".5"/>' for x in range(5, 1500))
+        + "</svg>"
+    )
+    starts = read_environment(path, resolution_m=1.0).starts
+    assert starts[:2] == ((3, 5), (5, 5))
+    assert len(starts) == MAX_STARTS
+
+
+corners = st.integers(0, 12)
+
+
+@settings(max_examples=200, deadline=None)
+@given(st.lists(st.tuples(corners, corners, st.integers(0, 4), st.integers(1, 4)), max_size=12))
+def test_a_union_in_groups_is_the_union(boxes):
+    # Boxes that are apart, touch at corners or sides, overlap, are equal, or are empty.
+    areas = [shapely.box(x, y, x + w, y + h) if w else Polygon() for x, y, w, h in boxes]
+    whole = shapely.union_all(areas)
+    grouped = union_of(areas)
+    assert grouped.is_valid
+    assert grouped.is_empty == whole.is_empty
+    assert grouped.symmetric_difference(whole).area == 0
+    assert len(shapely.get_parts(grouped)) == len(shapely.get_parts(whole))
+    assert all(part.geom_type == "Polygon" for part in shapely.get_parts(grouped))

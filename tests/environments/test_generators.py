@@ -1,4 +1,4 @@
-"""Every generator keeps its promises: one passable piece, no cracks, the same world per seed."""
+"""Every generator keeps its promises: one passable part, no cracks, the same world per seed."""
 
 from typing import Any
 

@@ -1,9 +1,12 @@
 import inspect
+import json
 from typing import Any
 
+import msgspec
 import numpy as np
 import pytest
 import shapely
+from PIL import Image
 
 import multisrt
 from multisrt.environments.environment import Environment
@@ -250,17 +253,72 @@ def test_a_saved_spec_knows_the_world_of_its_file(tmp_path):
     spec = RunSpec.from_toml((tmp_path / "spec.toml").read_text())
     assert isinstance(spec.environment, FileEnvironment)
     assert spec.environment.digest == run.environment.digest
-    # The digest is a check, no part of the run; and one of a recording has the same.
+    assert spec.environment.starts == ()
+    # They are a check, no part of the run; a recording has no suggested starts.
     again = explore(spec)
     assert (again.digest, again.spec) == (run.digest, run.spec)
     Run(again.recording).save_spec(tmp_path / "again.toml")
-    assert (tmp_path / "again.toml").read_text() == (tmp_path / "spec.toml").read_text()
+    texts = [(tmp_path / name).read_text() for name in ("again.toml", "spec.toml")]
+    assert texts[0] == texts[1].replace("starts = []\n", "")
     path.write_text("POLYGON ((0 0, 7 0, 7 5, 0 5, 0 0))")
     said = "room.wkt holds another world than when .* restore the file, or remove the line 'digest'"
     for environment in (None, multisrt.read_environment(path)):
         with pytest.raises(InvalidInputError, match=said):
             simulate(spec, environment)
     assert explore(path, seed=1, max_time_s=3.0).environment.area_m2 == 35.0
+
+
+def write_starts(folder, *places):
+    """Write one world as GeoJSON with suggested starts, and as an image with a team file."""
+    grey = np.zeros((12, 16), np.uint8)
+    grey[1:11, 1:15] = 255
+    Image.fromarray(grey).save(folder / "room.png")
+    world = multisrt.read_environment(folder / "room.png", resolution_m=0.5)
+    free = {"type": "Feature", "properties": {"kind": "free"}}
+    starts = {"type": "Feature", "properties": {"kind": "start"}}
+    features = [
+        free | {"geometry": shapely.geometry.mapping(world.free)},
+        starts | {"geometry": {"type": "MultiPoint", "coordinates": places}},
+    ]
+    document = {"type": "FeatureCollection", "features": features}
+    (folder / "room.geojson").write_text(json.dumps(document))
+    lines = [
+        f"{number} R {2 * x:.0f} {2 * (6 - y):.0f} 0 100 300 1000 Explorer {number} 1"
+        for number, (x, y) in enumerate(places, start=1)
+    ]
+    (folder / "team.txt").write_text("\n".join(lines))
+
+
+@pytest.mark.parametrize("kind", ["geojson", "team"])
+def test_a_saved_spec_knows_the_starts_that_its_files_suggest(tmp_path, kind):
+    path, team = tmp_path / "room.geojson", tmp_path / "team.txt"
+    file = FileEnvironment(path=str(path))
+    if kind == "team":
+        path = tmp_path / "room.png"
+        file = FileEnvironment(path=str(path), resolution_m=0.5, starts_from=str(team))
+    plain = RunSpec(environment=file, seed=1, stop=StopRule(max_time_s=3.0))
+    write_starts(tmp_path, (2, 2), (4, 3))
+    run = explore(plain)
+    run.save_spec(tmp_path / "spec.toml")
+    spec = RunSpec.from_toml((tmp_path / "spec.toml").read_text())
+    assert spec.environment.starts == run.environment.starts
+    assert explore(spec).digest == run.digest
+    # The same free space with other starts: the digest of the world is the same, that of a run not.
+    write_starts(tmp_path, (5, 2), (4, 3))
+    other = explore(plain)
+    assert other.environment.digest == run.environment.digest
+    assert other.recording.starts != run.recording.starts
+    assert other.digest != run.digest
+    said = f"{(team if kind == 'team' else path).name} suggests other starts than when .*'starts'"
+    for environment in (None, other.environment):
+        with pytest.raises(InvalidInputError, match=said):
+            simulate(spec, environment)
+    # Without robots that may start there, they are of no concern.
+    given = explore(msgspec.structs.replace(plain, robots=(RobotSpec(start=(3, 3)),)))
+    given.save_spec(tmp_path / "given.toml")
+    write_starts(tmp_path, (2, 2), (4, 3))
+    again = RunSpec.from_toml((tmp_path / "given.toml").read_text())
+    assert explore(again).digest == given.digest
 
 
 def test_why_explains_the_last_decision(run):

@@ -30,6 +30,7 @@ from multisrt.environments.formats.regions import (
     require_few_crossings,
     sides_of_stroke,
     stroked,
+    union_of,
 )
 from multisrt.extras import extra
 from multisrt.geometry.errors import MapFormatError
@@ -212,9 +213,9 @@ def _free_space(path: Path, parts: list[Part]) -> tuple[BaseGeometry, str]:
     solid += [_wall(line) for line in loose]
     doors, _ = _areas(path, chosen[Role.DOOR], outlines=True)
     require_few_crossings(path, [*walls, *solid, *doors])
-    blocked = opened(_united(walls), _united(doors)) | _united(solid)
+    blocked = opened(union_of(walls), union_of(doors)) | union_of(solid)
     if chosen[Role.FREE]:
-        free = _united(_areas(path, chosen[Role.FREE], outlines=True)[0])
+        free = union_of(_areas(path, chosen[Role.FREE], outlines=True)[0])
         if free.is_empty:
             raise MapFormatError(
                 f"{path}: no outline on the layers of free space is closed; join its lines"
@@ -261,10 +262,6 @@ def _areas(
                 for line in (*shapely.get_parts(cuts), *shapely.get_parts(dangles))
             ]
     return [area for area in areas if not area.is_empty], loose
-
-
-def _united(areas: list[BaseGeometry]) -> BaseGeometry:
-    return shapely.union_all(np.asarray(areas, np.object_))
 
 
 _BINARY: Final = b"AutoCAD Binary DXF\r\n\x1a\0"

@@ -6,6 +6,7 @@ where its topmost paint is dark, and free space elsewhere.
 """
 
 import re
+from functools import partial
 from pathlib import Path
 from typing import Final, NamedTuple
 
@@ -22,7 +23,12 @@ from multisrt.environments.formats.files import (
 )
 from multisrt.environments.formats.map_format import Beginning, MapFormat
 from multisrt.environments.formats.plan import Role, layers_of, role_names
-from multisrt.environments.formats.regions import MAX_POINTS, opened, require_few_crossings
+from multisrt.environments.formats.regions import (
+    MAX_POINTS,
+    opened,
+    require_few_crossings,
+    union_of,
+)
 from multisrt.environments.formats.svg.clips import Clipper
 from multisrt.environments.formats.svg.lengths import SvgError
 from multisrt.environments.formats.svg.page import Page, page_of
@@ -60,6 +66,7 @@ def read_svg(
     resolution_m: float | None = None,
     threshold: float | None = None,
     name: str | None = None,
+    repair: bool = False,
 ) -> Environment:
     """Read a floor plan in SVG.
 
@@ -96,12 +103,15 @@ def read_svg(
         names.
     name : str, optional
         By default the file's name without suffix.
+    repair : bool, optional
+        Whether starts that are not in free space are left out instead of refused.
 
     Raises
     ------
     MapFormatError
         If the file is not such a drawing, has no scale and none is given, refers to other files,
-        uses unsupported content (images, patterns, masks), or has no walls or no free space.
+        uses unsupported content (images, patterns, masks), has no walls or no free space, or has a
+        start outside of it.
 
     Notes
     -----
@@ -141,17 +151,15 @@ def read_svg(
             raise MapFormatError(f"{path}: the threshold is {level:g}; lightness is in [0, 1]")
         free = plan.free_by_lightness(level)
         rule = f"free above lightness {level:.3g}"
-    starts = plan.starts()
+    x, y = plan.corner
     if page.frame is None:
-        x, y = plan.corner
         free = shapely.transform(free, lambda points: points - (x, y))
-        starts = [(sx - x, sy - y) for sx, sy in starts]
     return build_environment(
         path,
         free,
         name=name,
         origin=f"{path.name} {page.scale}, {rule}",
-        starts=FileStarts(starts),
+        starts=plan.starts(repair=repair),
         layers=plan.layers,
     )
 
@@ -222,16 +230,16 @@ class _Plan:
                 "and joins as polygons; simplify it"
             )
 
-    def starts(self) -> list[tuple[float, float]]:
-        """Return the centres of the subpaths of starts."""
-        return [
-            (float(x), float(y))
-            for one, lines in self._shapes
-            if one.role is Role.START
-            for x, y in (
-                (points.min(axis=0) + points.max(axis=0)) / 2 for points, _ in lines.metres
-            )
-        ]
+    def starts(self, *, repair: bool) -> FileStarts:
+        """Return the centres of the subpaths of starts, from the corner that is the origin."""
+        points, places = [], []
+        for one, lines in self._shapes:
+            if one.role is Role.START:
+                for subpath, _ in lines.metres:
+                    x, y = (subpath.min(axis=0) + subpath.max(axis=0)) / 2 - self.corner
+                    points.append((float(x), float(y)))
+                    places.append(self._document.place(one.element))
+        return FileStarts(points, places, repair)
 
     def free_by_names(self) -> BaseGeometry:
         """Return free space where walls, obstacles or free space have names."""
@@ -246,7 +254,7 @@ class _Plan:
             except SvgError as error:
                 raise self._document.wrong(one.element, error) from error
         require_few_crossings(self._path, [area for some in areas.values() for area in some])
-        united = {role: shapely.union_all(np.asarray(some)) for role, some in areas.items()}
+        united = {role: union_of(some) for role, some in areas.items()}
         walls = opened(united[Role.WALL], united[Role.DOOR]) | united[Role.OBSTACLE]
         if areas[Role.FREE]:
             free = united[Role.FREE]
@@ -398,11 +406,17 @@ def _topmost_dark(path: Path, paints: list[_Paint]) -> BaseGeometry:
                     )
                 cover = shapely.union_all(tree.geometries[np.sort(later)])
                 visible[index] = opened(area, cover)
-    return shapely.union_all(visible)
+    return union_of(list(visible))
 
 
 def _is_svg_file(beginning: Beginning) -> bool:
     return root_name(beginning.text) == "svg"
 
 
-SVG = MapFormat(name="SVG", suffixes=(".svg",), recognises=_is_svg_file, read=read_svg)
+SVG = MapFormat(
+    name="SVG",
+    suffixes=(".svg",),
+    recognises=_is_svg_file,
+    read=read_svg,
+    repair=partial(read_svg, repair=True),
+)

@@ -122,7 +122,11 @@ class Document:
 
     def wrong(self, element: Element, what: object) -> MapFormatError:
         """Return an error about an element, with its line."""
-        return MapFormatError(f"{self.path}, line {element.line}, <{element.name[:40]}>: {what}")
+        return MapFormatError(f"{self.place(element)}: {what}")
+
+    def place(self, element: Element) -> str:
+        """Return where an element is: the file and its line."""
+        return f"{self.path}, line {element.line}, <{element.name[:40]}>"
 
     def drawn(
         self, element: Element, transform: FloatArray, viewport: tuple[float, float]

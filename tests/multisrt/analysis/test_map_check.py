@@ -5,7 +5,8 @@ from shapely import box
 from multisrt.analysis.map_check import check_map
 from multisrt.environments.environment import Environment
 from multisrt.geometry.bodies.footprint import Footprint
-from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.configuration import Configuration
+from multisrt.geometry.errors import ClearanceError, InvalidInputError
 
 BODY = Footprint.disc(0.25)
 WALL = box(4, 0, 4.2, 1.8) | box(4, 2.2, 4.2, 4)
@@ -111,3 +112,53 @@ def test_a_page_around_a_small_plan_is_no_matter_of_doors():
 def test_shares_out_of_range_are_refused(share):
     with pytest.raises(InvalidInputError, match="share"):
         check_map(Environment("hall", box(0, 0, 8, 4)), BODY, share=share)
+
+
+PAGE = Environment.from_outline(
+    "page", box(0, 0, 36, 30), [box(1, 1, 13, 13) - box(1.5, 1.5, 12.5, 12.5)], starts=[(20, 20)]
+)
+
+
+def test_a_given_start_chooses_the_part():
+    check = check_map(PAGE, BODY, starts=[Configuration(7, 7), Configuration(3, 3)])
+    assert check.main.area == 121.0
+    assert check.problems == ()  # that it has 12 % of free space was asked for
+    assert (check.starts, check.start_parts) == (((7, 7), (3, 3)), (1, 1))
+    assert check_map(PAGE, BODY).main.area == 36 * 30 - 144
+
+
+def test_what_is_in_reach_is_so_from_a_given_start():
+    check = check_map(Environment("rooms", ROOMS), BODY, starts=[Configuration(1, 2)])
+    (room,) = check.unreachable
+    assert room.contains(shapely.Point(6, 2))
+    check = check_map(Environment("rooms", ROOMS), BODY, starts=[Configuration(6, 2)])
+    (room,) = check.unreachable
+    assert room.contains(shapely.Point(1, 2))
+
+
+def test_given_starts_in_another_part_or_without_room_are_problems():
+    check = check_map(
+        PAGE, BODY, starts=[Configuration(7, 7), Configuration(20, 20), Configuration(1.6, 7)]
+    )
+    assert check.problems == (
+        "the start (20, 20) is in another part than the first",
+        "the body disc:0.25 does not fit at the start (1.6, 7) of 'page': the clearance there is "
+        "0.1 m, and it needs more than 0.25 m; the nearest place where the body disc:0.25 fits is "
+        "(1.76, 7), 0.16 m from there",
+    )
+
+
+def test_the_heading_of_a_given_start_counts():
+    corridor = Environment("corridor", box(0, 0, 8, 1))
+    along, across = Configuration(4, 0.5), Configuration(4, 0.5, 1.5708)
+    body = Footprint.parse("box:1.6x0.6")
+    assert check_map(corridor, body, starts=[along]).problems == ()
+    (problem,) = check_map(corridor, body, starts=[across]).problems
+    assert problem.startswith("the body box:1.6x0.6 does not fit at the start (4, 0.5)")
+
+
+def test_a_given_start_in_a_wall_is_refused_with_the_nearest_place():
+    with pytest.raises(ClearanceError, match=r"start \(1\.2, 7\) is not.*fits is \(0\.74, 7\)"):
+        check_map(PAGE, BODY, starts=[Configuration(7, 7), Configuration(1.2, 7)])
+    with pytest.raises(InvalidInputError, match="a start is finite"):
+        check_map(PAGE, BODY, starts=[Configuration(float("nan"), 7)])

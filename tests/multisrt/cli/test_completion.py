@@ -45,6 +45,19 @@ def completed(shell, line, monkeypatch):
         ("multisrt explore office --option approach=", ["true", "false"]),
         ("multisrt explore office --option=approach=f", ["false"]),
         ("multisrt explore office --option d_min_m=n", ["none"]),
+        ("multisrt explore office --set wid", ["width_m="]),
+        ("multisrt explore office --set fur", ["furnished="]),
+        ("multisrt explore office --set furnished=", ["true", "false"]),
+        ("multisrt explore office --set=furnished=f", ["false"]),
+        ("multisrt explore office --set d", ["door_m=", "difficulty="]),
+        ("multisrt explore office --set door_m=1 --set d", ["difficulty="]),
+        ("multisrt explore office --set width_m=", []),
+        ("multisrt explore open --set ", ["size_m=", "columns=", "seed="]),
+        ("multisrt explore dungeon --set diff", ["difficulty="]),
+        ("multisrt explore museum --set ", []),
+        ("multisrt explore --set ", []),
+        ("multisrt environments show maze --set ce", ["cells="]),
+        ("multisrt environments check maze --set se", ["seed="]),
         ("multisrt explore office --robot sp", ["speed="]),
         ("multisrt explore office --robot speed=1,dr", ["1,drive="]),
         ("multisrt explore office --robot drive=du", ["dubins"]),
@@ -200,18 +213,21 @@ def test_completion_imports_no_kernels():
         "import sys; from multisrt import cli\n"
         "from multisrt.cli.completion import Bash\n"
         "made = Bash(cli.cli, {}, 'multisrt', '_MULTISRT_COMPLETE')\n"
-        "print('alpha=' in made.complete(), {'numba', 'scipy', 'numpy'} & set(sys.modules))"
+        "print('KEY' in made.complete(), {'numba', 'scipy', 'numpy'} & set(sys.modules))"
     )
-    line = "multisrt explore office --strategy srt-ball --option al"
-    done = subprocess.run(
-        [sys.executable, "-c", code],
-        cwd=ROOT,
-        env=os.environ | {"COMP_WORDS": line},
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    assert done.stdout == "True set()\n"
+    for line, key in (
+        ("multisrt explore office --strategy srt-ball --option al", "alpha="),
+        ("multisrt explore office --set wi", "width_m="),
+    ):
+        done = subprocess.run(
+            [sys.executable, "-c", code.replace("KEY", key)],
+            cwd=ROOT,
+            env=os.environ | {"COMP_WORDS": line},
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+        assert done.stdout == "True set()\n"
 
 
 @pytest.mark.slow

@@ -6,8 +6,9 @@ import pytest
 import shapely
 
 from multisrt.cli.environments import FIXED
-from multisrt.environments.formats import read_environment
-from multisrt.exporting.worlds import MAP_SUFFIXES, READABLE_SUFFIXES
+from multisrt.environments.formats import FORMATS, read_environment
+from multisrt.environments.written_suffixes import READABLE_SUFFIXES
+from multisrt.exporting.worlds import MAP_SUFFIXES
 from tests.multisrt.cli.commands import everything
 
 STAIRS = "type octile\nheight 5\nwidth 5\nmap\n@@@..\n@@...\n@....\n.....\n.....\n"
@@ -153,8 +154,10 @@ def test_fix_writes_what_can_be_read_again(call, folder, name):
 
 
 def test_the_help_of_fix_lists_the_formats():
+    read = {suffix for known in FORMATS for suffix in known.suffixes}
     assert {MAP_SUFFIXES[suffix] for suffix in FIXED} == set(READABLE_SUFFIXES.values())
-    assert set(MAP_SUFFIXES) - set(READABLE_SUFFIXES) == {".stl", ".glb"}
+    assert set(READABLE_SUFFIXES) == set(MAP_SUFFIXES) & read
+    assert set(MAP_SUFFIXES) - read == {".stl", ".glb"}
 
 
 def test_options_of_fix_need_it(call):
@@ -206,3 +209,36 @@ def test_layers_left_out_are_told_and_a_problem(call, folder):
     code, out, _ = call("environments", "check", "flat.svg", "--resolution", "1")
     assert "layers read: Walls (walls), Furniture (obstacles)\n" in out
     assert "no layer" not in out
+
+
+def test_a_start_chooses_the_part_that_is_checked(call, folder):
+    wall = shapely.box(1, 1, 13, 13) - shapely.box(1.5, 1.5, 12.5, 12.5)
+    (folder / "page.wkt").write_text(shapely.to_wkt(shapely.box(0, 0, 36, 30) - wall))
+    check = ("environments", "check", "page.wkt")
+    code, out, _ = call(*check)
+    assert code == 1
+    assert "explore with --start 7.00,7.00; else open doors" in out
+    code, out, err = call(*check, "--start", "7,7", "--start", "3,3,1.57", "--out", "page.svg")
+    assert (code, err) == (0, "")
+    assert "2 separate parts (936, 121 m2); the starts are in that of 121 m2\n" in out
+    assert "explore the inside" not in out
+    assert "the body disc:0.25 reaches 100 % of the part of 121 m2\n" in out
+    legend = "".join(ET.parse(folder / "page.svg").getroot().itertext())
+    assert "start" in legend
+    assert "suggested start" not in legend
+
+
+def test_a_start_in_a_wall_is_told_with_the_nearest_place(call):
+    code, out, err = call("environments", "check", "pillar.wkt", "--start", "4,2.5")
+    assert (code, out) == (2, "")
+    assert err == (
+        "error: the start (4, 2.5) is not in the free space of 'pillar': it is in an obstacle or "
+        "outside the outline, 0.5 m from free space; the nearest place where the body disc:0.25 "
+        "fits is (4, 1.74), 0.76 m from there\n"
+    )
+    code, _, err = call("environments", "check", "pillar.wkt", "--start", "4")
+    assert code == 2
+    assert "--start: '4' is not X,Y or X,Y,HEADING" in err
+    code, out, _ = call("environments", "check", "pillar.wkt", "--start", "0.1,3")
+    assert code == 1
+    assert "problem: the body disc:0.25 does not fit at the start (0.1, 3) of 'pillar'" in out

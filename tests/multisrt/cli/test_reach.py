@@ -143,3 +143,29 @@ def test_experiment_check_warns_of_starts_outside(call, folder):
     (warning,) = err.splitlines()
     assert warning.startswith("warning: [wide, closest, 1 robot")
     assert "which lies around others and touches the border of the map" in warning
+
+
+def test_experiment_check_warns_of_a_page_around_a_small_plan(call, folder):
+    (folder / "page.wkt").write_text(shapely.to_wkt(PAGE.free))
+    text = (
+        'name = "pages"\nenvironments = ["page.wkt"]\nstrategies = ["closest"]\n'
+        'bodies = ["disc:0.2"]\nrepetitions = 1\nrobots = {}\n'
+    )
+    for robots, places in ((1, "[[5.00,5.00]]"), (2, "[[5.00,5.00], ...]")):
+        (folder / "pages.toml").write_text(text.format([robots]))
+        code, _, err = call("experiment", "check", "pages.toml", "--seconds", "0")
+        assert code == 0
+        (warning,) = err.splitlines()
+        assert "the start is in that of 1136 m2 (96 %), which lies around others" in warning
+        assert warning.endswith(
+            "; if it is the page around a building, start inside with "
+            f"starts = [{{ places = {places} }}]"
+        )
+
+
+def test_the_page_is_told_without_advice_to_robots_inside():
+    room, page = PAGE.component(5.0, 5.0), PAGE.component(20.0, 20.0)
+    assert around(PAGE, room) == (
+        "the part of 1136 m2 lies around the others: it touches the border of the map"
+    )
+    assert around(PAGE, page) == around(PAGE)

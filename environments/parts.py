@@ -46,7 +46,7 @@ class Enclosing(NamedTuple):
     inside: tuple[Polygon, ...]
 
 
-def pieces(environment: Environment) -> tuple[Polygon, ...]:
+def parts_of(environment: Environment) -> tuple[Polygon, ...]:
     """Return the components of free space, the largest first.
 
     Parameters
@@ -63,10 +63,10 @@ def pieces(environment: Environment) -> tuple[Polygon, ...]:
     --------
     >>> import shapely
     >>> two = shapely.union_all([shapely.box(0, 0, 2, 2), shapely.box(3, 0, 6, 2)])
-    >>> [piece.area for piece in pieces(Environment("two rooms", two))]
+    >>> [part.area for part in parts_of(Environment("two rooms", two))]
     [6.0, 4.0]
     """
-    return tuple(sorted(environment.components, key=lambda piece: -piece.area))
+    return tuple(sorted(environment.components, key=lambda part: -part.area))
 
 
 def enclosing(environment: Environment) -> Enclosing | None:
@@ -98,11 +98,11 @@ def enclosing(environment: Environment) -> Enclosing | None:
     """
     border = environment.bounds
     found = []
-    for piece in environment.components:
-        if piece.interiors and any(a == b for a, b in zip(piece.bounds, border, strict=True)):
-            enclosed = _enclosed_by(piece, environment)
-            if sum(p.area for p in enclosed) >= MIN_INSIDE * piece.area:
-                found.append(Enclosing(piece, enclosed))
+    for part in environment.components:
+        if part.interiors and any(a == b for a, b in zip(part.bounds, border, strict=True)):
+            enclosed = _enclosed_by(part, environment)
+            if sum(p.area for p in enclosed) >= MIN_INSIDE * part.area:
+                found.append(Enclosing(part, enclosed))
     return max(found, key=lambda one: sum(p.area for p in one.inside), default=None)
 
 
@@ -129,11 +129,11 @@ def inside(environment: Environment) -> tuple[Polygon, ...]:
     >>> import shapely
     >>> wall = shapely.box(1, 1, 9, 9) - shapely.box(2, 2, 8, 8)
     >>> plan = Environment.from_outline("plan", shapely.box(0, 0, 11, 11), [wall])
-    >>> [piece.area for piece in pieces(plan)], [piece.area for piece in inside(plan)]
+    >>> [part.area for part in parts_of(plan)], [part.area for part in inside(plan)]
     ([57.0, 36.0], [36.0])
     """
     outside = enclosing(environment)
-    return tuple(p for p in pieces(environment) if outside is None or p is not outside.area)
+    return tuple(p for p in parts_of(environment) if outside is None or p is not outside.area)
 
 
 def surrounding(environment: Environment) -> Enclosing | None:
@@ -167,26 +167,26 @@ def surrounding(environment: Environment) -> Enclosing | None:
     if careful is not None:
         return careful
     border = shapely.box(*environment.bounds).exterior
-    for piece in environment.components:
-        if not piece.interiors:
+    for part in environment.components:
+        if not part.interiors:
             continue
-        if border.intersection(piece.exterior).length < MIN_BORDER_SHARE * border.length:
+        if border.intersection(part.exterior).length < MIN_BORDER_SHARE * border.length:
             continue
         rooms = [
-            part
-            for part in _enclosed_by(piece, environment)
-            if part.area > math.pi * ROOM_RADIUS_M**2 and not part.buffer(-ROOM_RADIUS_M).is_empty
+            room
+            for room in _enclosed_by(part, environment)
+            if room.area > math.pi * ROOM_RADIUS_M**2 and not room.buffer(-ROOM_RADIUS_M).is_empty
         ]
         if sum(room.area for room in rooms) > MIN_ROOMS_M2:
-            return Enclosing(piece, tuple(rooms))
+            return Enclosing(part, tuple(rooms))
     return None
 
 
-def _enclosed_by(piece: Polygon, environment: Environment) -> tuple[Polygon, ...]:
+def _enclosed_by(part: Polygon, environment: Environment) -> tuple[Polygon, ...]:
     """Return the other components within the outer ring of a component, the largest first."""
-    outline = Polygon(piece.exterior)
+    outline = Polygon(part.exterior)
     shapely.prepare(outline)
-    return tuple(p for p in pieces(environment) if p is not piece and outline.contains(p))
+    return tuple(p for p in parts_of(environment) if p is not part and outline.contains(p))
 
 
 def start_in(part: Polygon) -> str:
@@ -203,8 +203,11 @@ def start_in(part: Polygon) -> str:
     return f"{x:.2f},{y:.2f}"
 
 
-def is_minor(environment: Environment, x: float, y: float) -> bool:
-    """Return whether a place is outside the largest part that is not around a building.
+def is_poor_start(environment: Environment, x: float, y: float) -> bool:
+    """Return whether a robot that starts at a place may miss what is to be explored.
+
+    That is outside the largest part that is not around a building, and in a part that may be a page
+    around a building (`surrounding`).
 
     Parameters
     ----------
@@ -216,7 +219,7 @@ def is_minor(environment: Environment, x: float, y: float) -> bool:
     Returns
     -------
     bool
-        True in the part around a building, whatever its size.
+        True in a part that `surrounding` finds, whatever its size.
 
     Raises
     ------
@@ -228,8 +231,10 @@ def is_minor(environment: Environment, x: float, y: float) -> bool:
     >>> import shapely
     >>> two = shapely.union_all([shapely.box(0, 0, 2, 2), shapely.box(3, 0, 6, 2)])
     >>> rooms = Environment("two rooms", two)
-    >>> is_minor(rooms, 1.0, 1.0), is_minor(rooms, 4.0, 1.0)
+    >>> is_poor_start(rooms, 1.0, 1.0), is_poor_start(rooms, 4.0, 1.0)
     (True, False)
     """
-    here, parts = environment.component(x, y), inside(environment)
-    return all(here is not part for part in parts) or here.area < parts[0].area
+    here, outside = environment.component(x, y), surrounding(environment)
+    if outside is not None and outside.area is here:
+        return True
+    return here.area < inside(environment)[0].area

@@ -4,7 +4,7 @@ import shapely
 from shapely.geometry.base import BaseGeometry
 
 from multisrt.environments.environment import Environment
-from multisrt.environments.pieces import enclosing, inside, is_minor, pieces, surrounding
+from multisrt.environments.parts import enclosing, inside, is_poor_start, parts_of, surrounding
 
 PAPER = shapely.box(0, 0, 20, 10)
 BUILDING = shapely.box(1, 1, 19, 9)
@@ -17,13 +17,13 @@ def plan() -> Environment:
 
 
 def test_pieces_are_sorted_by_area():
-    assert [piece.area for piece in pieces(plan())] == [56.0, 48.0, 42.0]
-    assert pieces(plan())[2].bounds == (2.0, 2.0, 9.0, 8.0)
+    assert [part.area for part in parts_of(plan())] == [56.0, 48.0, 42.0]
+    assert parts_of(plan())[2].bounds == (2.0, 2.0, 9.0, 8.0)
 
 
 def test_pieces_are_those_of_component():
     world = plan()
-    assert pieces(world)[1] is world.component(12.0, 5.0)
+    assert parts_of(world)[1] is world.component(12.0, 5.0)
 
 
 def test_the_paper_around_a_building_is_found():
@@ -71,7 +71,7 @@ def test_a_small_flat_on_a_large_page_is_surrounded_but_not_chosen():
     assert found is not None
     assert found.area is world.component(0.5, 0.5)
     assert [round(room.area, 2) for room in found.inside] == [87.78, 51.3]
-    assert inside(world) == pieces(world)
+    assert inside(world) == parts_of(world)
 
 
 def test_a_page_that_is_cut_along_most_of_its_border_surrounds():
@@ -96,12 +96,19 @@ def test_what_no_robot_fits_into_is_not_surrounded():
 
 
 def test_inside_is_all_but_the_paper():
-    assert [piece.area for piece in inside(plan())] == [48.0, 42.0]
+    assert [part.area for part in inside(plan())] == [48.0, 42.0]
     rooms = Environment("rooms", ROOMS)
-    assert inside(rooms) == pieces(rooms)
+    assert inside(rooms) == parts_of(rooms)
 
 
-def test_all_but_the_largest_area_inside_is_minor():
+def test_all_but_the_largest_area_inside_is_poor_start():
     places = {"paper": (0.5, 0.5), "large room": (12.0, 5.0), "small room": (3.0, 5.0)}
-    found = {name: is_minor(plan(), *place) for name, place in places.items()}
+    found = {name: is_poor_start(plan(), *place) for name, place in places.items()}
     assert found == {"paper": True, "large room": False, "small room": True}
+
+
+def test_the_page_around_a_small_flat_is_a_poor_start():
+    world = flat_on(shapely.box(0, 0, 36, 30))
+    places = {"page": (20.0, 20.0), "large room": (5.0, 5.0), "small room": (12.0, 5.0)}
+    found = {name: is_poor_start(world, *place) for name, place in places.items()}
+    assert found == {"page": True, "large room": True, "small room": True}

@@ -2,6 +2,7 @@
 
 import gc
 import importlib.util
+import os
 import signal
 import sys
 from collections.abc import Callable, Iterator
@@ -20,6 +21,11 @@ settings.load_profile("repeatable")
 # Shells let background processes ignore interrupts; tests interrupt the processes they start.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
+
+# Processes that tests start, in whatever folder, find the package where the tests do: numba keeps
+# compiled kernels for each path of a source, and would compile those of an installation anew.
+_PATHS = str(Path(__file__).parents[1]), os.environ.get("PYTHONPATH")
+os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, _PATHS))
 
 
 def pytest_collection_finish() -> None:

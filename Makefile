@@ -8,6 +8,8 @@ BASE_READY := $(VENV)/.ready-base
 READY := $(VENV)/.ready
 BENCH_READY := $(VENV)/.ready-bench
 OUT := out
+# The order of the files, in which two processes share them: tests/conftest.py.
+PYTEST := $(BIN)/python -m pytest --numprocesses 2 --dist loadfile --no-loadscope-reorder --quiet
 # Public maps that some benchmarks use; where there are none, they are left out.
 MULTISRT_MAPS ?= ../shared/maps
 
@@ -47,10 +49,10 @@ demo: $(BASE_READY)
 	@echo "  $(OUT)/demo/srt-star/tree.svg"
 
 test: $(READY)
-	$(BIN)/python -m pytest --numprocesses 2 --quiet
+	$(PYTEST)
 
 check: $(READY)
-	$(BIN)/python -m pytest --numprocesses 2 --quiet -m "not slow"
+	$(PYTEST) -m "not slow"
 
 # The tests make it with two worlds instead of twenty.
 tutorial: $(READY)

@@ -2,8 +2,10 @@
 
 import gc
 import importlib.util
+import os
 import signal
 import sys
+from collections import Counter
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import ModuleType
@@ -20,6 +22,33 @@ settings.load_profile("repeatable")
 # Shells let background processes ignore interrupts; tests interrupt the processes they start.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
+
+# Processes that tests start, in whatever folder, find the package where the tests do: numba keeps
+# compiled kernels for each path of a source, and would compile those of an installation anew.
+_PATHS = str(Path(__file__).parents[1]), os.environ.get("PYTHONPATH")
+os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, _PATHS))
+
+
+KERNELS_OF_RUNS, KERNELS_OF_GEOMETRY = "tests/golden/", "tests/geometry/"
+"""What two processes begin with: neither waits for, nor repeats, what the other compiles."""
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Let processes that share the tests take files in a good order (`make test`).
+
+    Each takes the next file when it is done with one. What compiles most kernels comes first, then
+    files by their number of slow tests: those that are left at the end are short.
+    """
+    if not hasattr(config, "workerinput"):
+        return
+    slow = Counter(item.path for item in items if item.get_closest_marker("slow"))
+
+    def place(item: pytest.Item) -> tuple[bool, bool, int]:
+        within = item.nodeid.startswith
+        return (not within(KERNELS_OF_RUNS), not within(KERNELS_OF_GEOMETRY), -slow[item.path])
+
+    # Files with as many slow tests stay in the order of their names.
+    items.sort(key=place)
 
 
 def pytest_collection_finish() -> None:

@@ -27,8 +27,8 @@ def modules_with_examples() -> list[str]:
 def test_examples_in_docstrings_run(name, tmp_path, monkeypatch):
     module = import_module(name)
     monkeypatch.chdir(tmp_path)
-    # More processes would take longer to start than the few runs of an example.
-    monkeypatch.setattr(ms, "compare", partial(ms.compare, workers=1))
+    # A process would take longer to start than the few runs of an example.
+    monkeypatch.setattr(ms, "compare", partial(ms.compare, workers=0))
     failed, tried = doctest.testmod(module, optionflags=doctest.ELLIPSIS)
     assert failed == 0
     assert tried > 0

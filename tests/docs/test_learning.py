@@ -1,6 +1,5 @@
 """The page on learning: its code runs from top to bottom."""
 
-import os
 import re
 import runpy
 import subprocess
@@ -38,7 +37,6 @@ def test_teams_are_played_in_a_pool_of_processes(tmp_path):
         capture_output=True,
         text=True,
         check=False,
-        env={**os.environ, "PYTHONPATH": str(PAGE.parent.parent)},
     )
     assert done.returncode == 0, done.stderr
     rewards = re.findall(r"([\d.]+) m2", done.stdout)

@@ -138,7 +138,7 @@ def workplace(tmp_path, monkeypatch):
             repetitions=1,
             stop=ms.StopRule(max_time_s=SHORT_S),
         )
-        return comparison.compare(spec, workers=1, progress=False, **options)
+        return comparison.compare(spec, workers=0, progress=False, **options)
 
     monkeypatch.setattr(ms, "explore", explore)
     monkeypatch.setattr(ms, "compare", compare)

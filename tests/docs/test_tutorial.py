@@ -29,7 +29,6 @@ def run(command: str, folder: Path) -> str:
         cwd=folder,
         capture_output=True,
         text=True,
-        env={**os.environ, "PYTHONPATH": str(DOCS.parent)},
     )
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout

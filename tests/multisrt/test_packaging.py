@@ -102,8 +102,15 @@ def test_completion_shows_the_api_alone():
 
 
 def python(code: str, *, cwd: Path) -> str:
+    """Return what code prints, run with the package that is installed."""
+    installed = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
     done = subprocess.run(
-        [sys.executable, "-c", code], cwd=cwd, capture_output=True, text=True, check=True
+        [sys.executable, "-c", code],
+        cwd=cwd,
+        env=installed,
+        capture_output=True,
+        text=True,
+        check=True,
     )
     return done.stdout
 

@@ -101,7 +101,7 @@ def test_later_repetitions_are_copies_too(path):
     told: list[Progress] = []
     spec = msgspec.structs.replace(SPEC, repetitions=3)
     with Store.create_or_open(path, spec) as store:
-        run_experiment(store, workers=1, progress=told.append)
+        run_experiment(store, workers=0, progress=told.append)
         assert told[-1].made == 2
         found = [r for r in store.results() if r.condition.strategy == "closest"]
     assert [(r.repetition, r.same_as) for r in found] == [(0, None), (1, 0), (2, 0)]

@@ -73,7 +73,7 @@ def finish(undisturbed):
     def go_on(path: Path, spec: ExperimentSpec = SPEC) -> None:
         with Store.create_or_open(path, spec) as store:
             before = {result.key: result.wall_s for result in store.results()}
-            run_experiment(store, workers=1)
+            run_experiment(store, workers=0)
         with Store.open(path) as store:
             results = store.results()
             assert {result.key: result.digest for result in results} == undisturbed
@@ -148,7 +148,7 @@ def test_a_file_at_its_size_limit(path, undisturbed, finish, runner):
     def allow_little():
         resource.setrlimit(resource.RLIMIT_FSIZE, (60_000, resource.RLIM_INFINITY))
 
-    with runner(path, spec, workers=1, preexec_fn=allow_little) as process:
+    with runner(path, spec, workers=0, preexec_fn=allow_little) as process:
         _, errors = process.communicate()
         assert process.returncode == 1
     assert "the disk may be full" in errors
@@ -181,12 +181,12 @@ def test_a_full_disk(small_disk, undisturbed, finish, runner):
     folder, mount = small_disk
     path = folder / "results.sqlite"
     spec = msgspec.structs.replace(SPEC, recordings="none")
-    with runner(path, spec, workers=1) as process:
+    with runner(path, spec, workers=0) as process:
         _, errors = process.communicate()
         assert process.returncode == 1
     assert "the disk is full" in errors
     assert len(errors.splitlines()) == 1
-    with runner(path, spec, workers=1) as process:  # still full
+    with runner(path, spec, workers=0) as process:  # still full
         _, errors = process.communicate()
         assert process.returncode == 1
     assert "the disk is full" in errors

@@ -123,9 +123,9 @@ def test_a_horizon_is_the_same_for_all_settings(measured):
 
 
 @given(st.floats(0.0, 1e4), st.floats(0.0, 1e4))
-def test_horizons_can_be_moved_there_and_back(first_s, second_s):
+def test_horizons_can_be_moved_there_and_back(measured, first_s, second_s):
     made = result(
-        MADE, makespan_s=10.0, coverage=0.25, coverage_integral_s=8.0, known_to_one_m2=2.0
+        measured, makespan_s=10.0, coverage=0.25, coverage_integral_s=8.0, known_to_one_m2=2.0
     )
     there = made.to_horizon(10.0 + first_s)
     again = there.to_horizon(10.0 + second_s)
@@ -134,9 +134,6 @@ def test_horizons_can_be_moved_there_and_back(first_s, second_s):
     for name in ("coverage_integral_s", "known_to_one_m2s"):
         value = getattr(metrics_of(straight), name)
         assert getattr(metrics_of(again), name) == pytest.approx(value)
-
-
-MADE = ms.explore("open", strategy="closest", max_time_s=5.0).metrics
 
 
 @pytest.mark.parametrize("horizon_s", [100.0, 500.0])

@@ -168,13 +168,13 @@ def test_progress_is_reported_and_stored_runs_skipped(path, undisturbed):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("recordings", ["failed", "none"])
-def test_recordings_are_kept_as_specified(path, recordings):
+@pytest.mark.parametrize(("recordings", "workers"), [("failed", 1), ("none", 0)])
+def test_recordings_are_kept_as_specified(path, recordings, workers):
     # With this stop rule two robots finish in time; one robot covers too little until then.
     stop = msgspec.structs.replace(SPEC.stop, max_time_s=200.0)
     spec = msgspec.structs.replace(SPEC, recordings=recordings, stop=stop, repetitions=1)
     with Store.create_or_open(path, spec) as store:
-        run_experiment(store, workers=1)
+        run_experiment(store, workers=workers)
         one, two = store.results()
         assert (one.status, two.status) == ("out_of_time", "complete")
         wanted = {"failed": [one], "none": []}[recordings]
@@ -444,5 +444,5 @@ def test_unwritable_recordings_end_the_experiment(path):
             run_experiment(store, workers=1)
         assert store.done == 0
         folder.mkdir()
-        run_experiment(store, workers=1)
+        run_experiment(store, workers=0)
         assert store.done == 6

@@ -267,6 +267,6 @@ def reaches(found: Interval | None, printed: float) -> Verdict:
 def rule(printed: float) -> str:
     """Return the rule of `reaches` in words."""
     return (
-        f"it holds if our gain is above 0 and compatible with {printed:g} %: if the interval is "
-        f"above 0, and not all of it below {printed:g} %"
+        f"it holds if our gain is above 0 and not smaller than {printed:g} %: if the interval is "
+        f"above 0, and not all of it below {printed:g} %; a larger gain does not refute it"
     )

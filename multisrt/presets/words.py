@@ -126,8 +126,8 @@ def range_line(findings: Sequence[Finding], sides: Sides) -> str | None:
         return None
     left_out = len(findings) - len(shares)
     return (
-        f"by cell, medians of {sides[0]} against {sides[1]}: {min(shares):+.1f} to "
-        f"{max(shares):+.1f} %, {float(np.median(shares)):+.1f} % in the median cell"
+        f"by cell: {sides[0]} {min(shares):+.1f} to {max(shares):+.1f} % against {sides[1]} by "
+        f"medians, {float(np.median(shares)):+.1f} % in the median cell"
         + f"; without {left_out} in which there is no ratio"
         * bool(left_out)
     )

@@ -137,7 +137,7 @@ def test_repetitions_are_drawn_in_all_conditions_together():
 def test_when_a_gain_reaches_eight_percent(low, high, decision):
     found = Interval(value=0.5 * (low + high), low=low, high=high)
     assert reaches(found, 8.0) == decision
-    assert "above 0 and compatible with 8 %" in rule(8.0)
+    assert "above 0 and not smaller than 8 %" in rule(8.0)
 
 
 @pytest.mark.parametrize(
@@ -267,7 +267,7 @@ def test_gains_are_judged_by_all_cells_together():
     claim = claim_on(minpos.claims(results_of(FULL_MINPOS, times(10.0, 20.0))), "minpos shortens")
     assert "signed ranks of all cells together" in claim.grounds[0]
     # Those who read that it does not hold, or holds, learn what would have been found.
-    assert "compatible with 12 %" in claim.grounds[1]
+    assert "not smaller than 12 %" in claim.grounds[1]
     assert "80 % would find a true gain of" in claim.grounds[2]
     assert "geometric means" in claim.grounds[3]
     assert claim.would_show.startswith("known to ±")

@@ -27,6 +27,12 @@ from multisrt.geometry.numerics.kernel import BoolArray
 MAX_TEXT_BYTES = 64 * 2**20
 """Upper bound of the size of text files, in bytes (64 MiB)."""
 
+MAX_POLYGON_BYTES = 24 * 2**20
+"""Upper bound of the size of text files with polygons, in bytes (24 MiB).
+
+Files of small triangles take 105 to 140 times their size in memory.
+"""
+
 MAX_CELLS = 64_000_000
 """Upper bound of the size of images and grids, in pixels or cells."""
 
@@ -97,7 +103,7 @@ def read_json(path: Path, what: str) -> object:
     Parameters
     ----------
     path : Path
-        The file, of at most `MAX_TEXT_BYTES` bytes.
+        The file, of at most `MAX_POLYGON_BYTES` bytes.
     what : str
         The format, for messages, such as ``"GeoJSON"``.
 
@@ -106,7 +112,7 @@ def read_json(path: Path, what: str) -> object:
     MapFormatError
         If the file cannot be read, is not JSON, or is nested too deep.
     """
-    text = read_text(path)
+    text = read_text(path, max_bytes=MAX_POLYGON_BYTES)
     try:
         return json.loads(text)
     except json.JSONDecodeError as error:

@@ -62,7 +62,7 @@ def read_geojson(
     Parameters
     ----------
     path : Path
-        At most 64 MiB. Third coordinates are ignored.
+        At most 24 MiB. Third coordinates are ignored.
     resolution_m, threshold
         Rejected: the file is in metres and not an image.
     name : str, optional

@@ -14,6 +14,7 @@ from shapely.geometry.base import BaseGeometry
 from multisrt.environments.cleaning import FIXING, Cleaning, repaired
 from multisrt.environments.environment import MAX_COORDINATE_M, Environment
 from multisrt.environments.formats.files import (
+    MAX_POLYGON_BYTES,
     build_environment,
     read_text,
     refuse_resolution,
@@ -162,7 +163,9 @@ class _Section:
 def _sections(path: Path) -> Iterator[_Section]:
     known = {*SECTIONS, *SECTIONS_OF_MAP_POINTS, *UNUSED_SECTIONS, *SECTIONS_OF_NAMED}
     section: _Section | None = None
-    for number, line in enumerate(read_text(path).splitlines(), start=1):
+    for number, line in enumerate(
+        read_text(path, max_bytes=MAX_POLYGON_BYTES).splitlines(), start=1
+    ):
         heading, _, text = line.strip().partition(" ")
         if heading in known:
             if section is not None:

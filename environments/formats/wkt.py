@@ -12,6 +12,7 @@ from shapely.geometry.base import BaseGeometry
 from multisrt.environments.cleaning import FIXING, Cleaning, repaired, united
 from multisrt.environments.environment import MAX_COORDINATE_M, Environment
 from multisrt.environments.formats.files import (
+    MAX_POLYGON_BYTES,
     build_environment,
     read_text,
     refuse_resolution,
@@ -38,7 +39,7 @@ def read_wkt(
     Parameters
     ----------
     path : Path
-        One geometry, over any number of lines; at most 64 MiB. Third coordinates are ignored.
+        One geometry, over any number of lines; at most 24 MiB. Third coordinates are ignored.
         Polygons are united; holes are obstacles.
     resolution_m, threshold
         Rejected: the file is in metres and not an image.
@@ -70,7 +71,7 @@ def read_wkt(
 
 
 def _parsed(path: Path, *, repair: bool) -> tuple[BaseGeometry, Cleaning]:
-    text = read_text(path)
+    text = read_text(path, max_bytes=MAX_POLYGON_BYTES)
     signs = np.frombuffer(text.encode(), np.uint8)
     depth = np.cumsum((signs == ord("(")).astype(np.int8) - (signs == ord(")")), dtype=np.int32)
     if depth.max(initial=0) > MAX_DEPTH:

@@ -1,10 +1,15 @@
+import os
 import shutil
 from pathlib import Path
 
 import pytest
 
 from multisrt.environments.formats import FORMATS, format_of, read_environment
+from multisrt.environments.formats.geojson import read_geojson
+from multisrt.environments.formats.house_expo import read_house_expo
+from multisrt.environments.formats.imr import read_imr
 from multisrt.environments.formats.map_format import beginning_of
+from multisrt.environments.formats.wkt import read_wkt
 from multisrt.geometry.errors import MapFormatError
 
 MAPS = Path(__file__).resolve().parents[2].parent / "shared" / "maps"
@@ -181,3 +186,16 @@ def test_name_with_dots_keeps_them(tmp_path):
     path = tmp_path / "lse-0.05.pgm"
     shutil.copy(MAPS / "navigation_tutorials" / "lse_arena.pgm", path)
     assert read_environment(path, resolution_m=0.05).name == "lse-0.05"
+
+
+@pytest.mark.parametrize("reader", [read_wkt, read_geojson, read_imr, read_house_expo])
+def test_files_of_polygons_have_a_bound_of_their_own(reader, tmp_path):
+    path = tmp_path / "large"
+    path.touch()
+    os.truncate(path, 24 * 2**20 + 1)
+    said = r"large has 25,165,825 bytes; files of this format are read up to 25,165,824"
+    with pytest.raises(MapFormatError, match=said):
+        reader(path)
+    os.truncate(path, 24 * 2**20)
+    with pytest.raises(MapFormatError, match=r"^(?!.*read up to)"):
+        reader(path)

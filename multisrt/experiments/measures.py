@@ -170,7 +170,9 @@ MEASURES = (
     _measure("coverage_integral_s", "Integral of what is not yet covered", "s"),
     _measure("time_to_90_s", "Time to 90 % coverage", "s"),
     _measure("time_to_99_s", "Time to 99 % coverage", "s"),
-    _measure("delivered_coverage", "Coverage known to the base", "", lower_is_better=False, digits=4),
+    _measure(
+        "delivered_coverage", "Coverage known to the base", "", lower_is_better=False, digits=4
+    ),
     _measure("delivered_90_s", "Time to 90 % delivered to the base", "s"),
     _measure("delivered_95_s", "Time to 95 % delivered to the base", "s"),
     _measure("delivered_99_s", "Time to 99 % delivered to the base", "s"),

@@ -52,7 +52,7 @@ class News(Message, frozen=True, kw_only=True):
 
 def node(serial: int, time_s: float, x: float = 1.0, y: float = 1.0, robot: int = 0) -> Node:
     half = 0.4
-    corners = np.array([(-half, -half), (half, -half), (half, half), (-half, half)]) + (x, y)
+    corners = (*np.array([(-half, -half), (half, -half), (half, half), (-half, half)]), x, y)
     return Node(
         id=NodeId(robot, serial),
         configuration=Configuration(x, y, 0.0),
@@ -137,7 +137,7 @@ def test_the_base_asks_by_radio_and_learns(play):
 def test_another_robot_relays_to_the_base(play, multi_hop, by_base):
     # Robot 0 is 8 m from the base; robot 1 stands between them.
     recording, _ = play(
-        makes(0, 0.0, 9.0) + [END],
+        [*makes(0, 0.0, 9.0), END],
         [END],
         starts=[(9.0, 1.0), (5.0, 2.0)],
         base=AT_HOME,
@@ -150,7 +150,7 @@ def test_another_robot_relays_to_the_base(play, multi_hop, by_base):
 
 def test_the_base_relays_between_robots(play):
     recording, (_, told) = play(
-        makes(0, 0.0, 5.0) + [END],
+        [*makes(0, 0.0, 5.0), END],
         [Receive(timeout_s=1.0), END],
         starts=[(5.0, 1.0), (1.0, 5.9 - 1.0)],
         base=AT_HOME,
@@ -166,7 +166,7 @@ def test_walls_block_messages_to_the_base(play):
     for walls, got in (("pass", {(0, 0): 0.0}), ("block", {})):
         radio = RadioSpec(walls=walls)
         recording, _ = play(
-            makes(0, 0.0, 1.0) + [END], starts=[(1.0, 1.0)], base=AT_HOME, radio=radio, world=world
+            [*makes(0, 0.0, 1.0), END], starts=[(1.0, 1.0)], base=AT_HOME, radio=radio, world=world
         )
         assert delivered(recording) == got
 
@@ -175,7 +175,7 @@ def test_what_is_lost_is_not_delivered(play):
     outcomes = set()
     for seed in range(6):
         recording, _ = play(
-            makes(0, 0.0, 1.0) + [END],
+            [*makes(0, 0.0, 1.0), END],
             starts=[(1.0, 1.0)],
             base=AT_HOME,
             radio=RadioSpec(loss=0.5),
@@ -231,7 +231,7 @@ def test_the_base_is_in_nobodys_way(play, straight):
 
 def test_a_message_on_its_way_to_the_base_is_waited_for(play):
     recording, _ = play(
-        makes(0, 0.0, 1.0) + [END],
+        [*makes(0, 0.0, 1.0), END],
         starts=[(1.0, 1.0)],
         base=AT_HOME,
         radio=RadioSpec(latency_s=3.0),

@@ -33,7 +33,7 @@ class Delivery:
     times_s : (n,) array
         When the base station learned of a node, ascending.
     delivered_m2 : (n,) array
-        Area delivered from then on; it never falls, and is never more than was covered, to rounding.
+        Area delivered from then on; it never falls, and is no more than was covered, to rounding.
     carrying_s : tuple of float
         For each robot, for how long it knew something that the base station did not know.
     """

@@ -91,9 +91,10 @@ class BaseStation(Listener):
         if isinstance(message, WantMessage):
             yield from self._answer_want(message)
             yield from self._acknowledge(sender)
-        elif not (yield from self._ask_for_missing(sender, counts_in(message))):
-            if self._told.get(sender, ()) != self.entries.counts():
-                yield from self._acknowledge(sender)
+            return
+        has_asked = yield from self._ask_for_missing(sender, counts_in(message))
+        if not has_asked and self._told.get(sender, ()) != self.entries.counts():
+            yield from self._acknowledge(sender)
 
     def _acknowledge(self, robot: int) -> Steps:
         self._told[robot] = self.entries.counts()

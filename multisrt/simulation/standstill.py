@@ -37,8 +37,8 @@ class Standstill:
 
     Something has happened when a robot has moved or turned, has taken a scan at another place
     than before, has added a node or learned one, has ended for the first time, when the base
-    station has learned of a node, or when a fault has struck. A fault that is due later, and the end of a single wait that is longer than the
-    limit, count as something to come.
+    station has learned of a node, or when a fault has struck. A fault that is due later, and the
+    end of a single wait that is longer than the limit, count as something to come.
 
     Parameters
     ----------

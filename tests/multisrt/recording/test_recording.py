@@ -269,7 +269,7 @@ def test_another_format_or_version(tmp_path, lines):
     with pytest.raises(InvalidInputError, match="no header"):
         load(tmp_path, [changed(lines[0], format="music")], lines[1:])
     for version in (2, 99):
-        told = f"version {version}; this program reads 3, 4, 5: repeat the run"
+        told = f"version {version}; this program reads 3, 4, 5, 6: repeat the run"
         with pytest.raises(InvalidInputError, match=told):
             load(tmp_path, [changed(lines[0], format_version=version)], lines[1:])
 

@@ -56,7 +56,7 @@ def test_a_base_is_a_pair_or_a_spec():
 
 def test_the_keyword_makes_the_spec(run):
     assert run.spec.base == ms.BaseSpec(x=BASE[0], y=BASE[1])
-    with pytest.raises(ms.InvalidInputError, match="base station.*nearest place in free space"):
+    with pytest.raises(ms.InvalidInputError, match=r"base station.*nearest place in free space"):
         ms.explore("apartment", base=(-5.0, 0.0))
 
 

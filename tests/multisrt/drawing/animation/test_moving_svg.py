@@ -107,8 +107,9 @@ def test_layers_that_are_left_out_are_not_in_the_document(told, layer):
         for name in ("areas", "paths", "trees", "goals", "bodies", "time", "robots")
     }
     # The run has no base station.
-    none = dict.fromkeys(("edges", "nodes", "base"), set())
-    gone = ({"caption": {"time", "robots"}} | none).get(layer, {layer})
+    gone = {"caption": {"time", "robots"}, "edges": set(), "nodes": set(), "base": set()}.get(
+        layer, {layer}
+    )
     assert {name for name, there in drawn.items() if not there} == gone
     lines = [
         [path.get("fill") == "none" for path in by_id(found, "trees").iter(f"{SVG}path")]

@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from multisrt.run import explore
     from multisrt.simulation.simulate import simulate
     from multisrt.spec import (
+        BaseSpec,
         CatalogEnvironment,
         Death,
         DriveSpec,
@@ -58,6 +59,7 @@ if TYPE_CHECKING:
     from multisrt.stepper import Stepper
 
 _HOMES = {
+    "BaseSpec": "spec",
     "CatalogEnvironment": "spec",
     "Comparison": "comparison",
     "Death": "spec",
@@ -103,6 +105,7 @@ _HOMES = {
 _MODULES = {"suites": "environments.suites"}
 
 __all__ = [
+    "BaseSpec",
     "CatalogEnvironment",
     "Comparison",
     "Death",

@@ -128,7 +128,8 @@ def compare(
         standard error every 30 s.
     **fields
         Further fields of `ExperimentSpec`: `bodies`, `blocks`, `exclude`, `drive`,
-        `range_finder`, `stop`, `limits`, `success_coverage`, `horizon_s`, `reference`, `about`.
+        `range_finder`, `base` (also as a pair of coordinates), `stop`, `limits`,
+        `success_coverage`, `horizon_s`, `reference`, `about`.
 
     Returns
     -------

@@ -19,6 +19,7 @@ from multisrt.simulation.journal import Watcher
 from multisrt.simulation.simulate import simulate
 from multisrt.simulation.worlds import build_environment, environment_spec, inline
 from multisrt.spec import (
+    BaseSpec,
     DriveSpec,
     EnvironmentSpec,
     Fault,
@@ -30,7 +31,14 @@ from multisrt.spec import (
     Scalar,
     StopRule,
 )
-from multisrt.spec.keywords import OF_MAP_FILES, checked, refuse_unknown, require_use, start_of
+from multisrt.spec.keywords import (
+    OF_MAP_FILES,
+    base_of,
+    checked,
+    refuse_unknown,
+    require_use,
+    start_of,
+)
 
 INSTEAD = {"stop": "max_time_s=SECONDS"} | OF_MAP_FILES
 """Arguments of other functions that `explore` takes in another form."""
@@ -57,6 +65,7 @@ class RunKeywords(TypedDict, total=False):
     drive: DriveSpec | None
     radio_range_m: float | None
     radio: RadioSpec | None
+    base: BaseSpec | Sequence[float] | None
     faults: Sequence[Fault] | None
     max_time_s: float | None
 
@@ -142,6 +151,8 @@ def explore(
         Range of the radio (m), all else as in `RadioSpec`.
     radio : RadioSpec, optional
         The complete description of the radio, instead of `radio_range_m`.
+    base : (x, y) or BaseSpec, optional
+        Base station (m), which robots reach by radio; measures tell what it knows.
     faults : sequence of Death, Silence or LateStart, optional
         Faults of robots during the run.
     max_time_s : float, optional
@@ -182,6 +193,12 @@ def explore(
     ... )
     >>> [robot.footprint for robot in mixed.spec.robots]
     ['disc:0.25', 'box:0.6x0.4']
+
+    A team with a base station, and the share of the map that it knows in the end:
+
+    >>> run = ms.explore("open", robots=2, radio_range_m=15.0, base=(5.0, 5.0))
+    >>> 0.0 < run.metrics.delivered_coverage <= run.metrics.coverage
+    True
 
     A spec repeats the run exactly:
 
@@ -253,6 +270,8 @@ def run_fields(given: Mapping[str, Any]) -> dict[str, Any]:
         if "radio" in given:
             raise InvalidInputError("give the radio's range in radio, or as radio_range_m alone")
         fields["radio"] = RadioSpec(range_m=given["radio_range_m"])
+    if "base" in given:
+        fields["base"] = base_of(given["base"])
     if "faults" in given:
         fields["faults"] = tuple(given["faults"])
     if "max_time_s" in given:

@@ -98,9 +98,7 @@ class Coverage:
 
     def time_to(self, share: float) -> float | None:
         """Return when a share of the explorable area was covered (s); None if it never was."""
-        needed_m2 = (share - ROUNDING) * self.explorable_m2
-        first = int(np.searchsorted(self.covered_m2, needed_m2))
-        return float(self.times_s[first]) if first < len(self.times_s) else None
+        return time_to(share, self.times_s, self.covered_m2, self.explorable_m2)
 
     def times_by_percent(self) -> tuple[float | None, ...]:
         """Return when each percent was covered, from 0 to 100 (s); None if it never was."""
@@ -108,10 +106,26 @@ class Coverage:
 
     def integral_of_rest(self, end_s: float) -> float:
         """Return the time integral of the share not yet covered, from 0 to a time (s)."""
-        steps = np.clip(np.concatenate([[0.0], self.times_s, [end_s]]), 0.0, end_s)
-        steps[-1] = end_s
-        rest = 1.0 - np.concatenate([[0.0], self.covered_m2]) / self.explorable_m2
-        return math.fsum((np.maximum(0.0, rest) * np.diff(steps)).tolist())
+        return integral_of_rest(self.times_s, self.covered_m2, self.explorable_m2, end_s)
+
+
+def time_to(
+    share: float, times_s: FloatArray, areas_m2: FloatArray, explorable_m2: float
+) -> float | None:
+    """Return when an area that never falls reached a share of the explorable one (s), or None."""
+    needed_m2 = (share - ROUNDING) * explorable_m2
+    first = int(np.searchsorted(areas_m2, needed_m2))
+    return float(times_s[first]) if first < len(times_s) else None
+
+
+def integral_of_rest(
+    times_s: FloatArray, areas_m2: FloatArray, explorable_m2: float, end_s: float
+) -> float:
+    """Return the time integral, from 0 to a time (s), of the share that an area leaves."""
+    steps = np.clip(np.concatenate([[0.0], times_s, [end_s]]), 0.0, end_s)
+    steps[-1] = end_s
+    rest = 1.0 - np.concatenate([[0.0], areas_m2]) / explorable_m2
+    return math.fsum((np.maximum(0.0, rest) * np.diff(steps)).tolist())
 
 
 def coverage(proof: Evidence) -> Coverage:

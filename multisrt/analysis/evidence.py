@@ -3,7 +3,7 @@
 *Seen* is what a scan showed, whatever the robot did with it. What a robot *knows* are the regions
 of the nodes that it made, as far as its scans at their places had shown them, and of those that it
 learned of from a robot that knew them and whose messages reached it. A robot that notes no node
-knows its own scans.
+knows its own scans. A base station learns as a robot does.
 """
 
 from __future__ import annotations
@@ -17,7 +17,16 @@ import numpy as np
 from multisrt.analysis.explorable import Explorable
 from multisrt.analysis.scans import scanned_regions
 from multisrt.environments.environment import Environment
-from multisrt.events import Died, Learned, NodeAdded, NodeName, Pose, Sensed, Sent
+from multisrt.events import (
+    BaseLearned,
+    Died,
+    Learned,
+    NodeAdded,
+    NodeName,
+    Pose,
+    Sensed,
+    Sent,
+)
 from multisrt.geometry.grids.strips import Runs, clipped, runs_of
 from multisrt.recording import Recording
 
@@ -51,6 +60,8 @@ class Evidence:
         The robots that noted nodes.
     knowledge : tuple of Learning
         What robots came to know, in the order of the recording.
+    delivered : tuple of (time_s, region)
+        When the base station came to know which region, in the order of the recording.
     unshown_m2 : float
         Area of regions of nodes that no scan of their robots had shown at their places; it does
         not count.
@@ -62,6 +73,7 @@ class Evidence:
     nodes: dict[NodeName, int]
     with_nodes: frozenset[int]
     knowledge: tuple[Learning, ...]
+    delivered: tuple[tuple[float, int], ...]
     unshown_m2: float
 
     def scans_of(self, robot: int) -> list[int]:
@@ -107,6 +119,8 @@ def evidence(recording: Recording, environment: Environment, what: Explorable) -
     masks = [WHOLE] * len(regions)
     nodes: dict[NodeName, int] = {}
     knowledge: list[Learning] = []
+    delivered: list[tuple[float, int]] = []
+    base = len(recording.spec.robots)
     with_nodes = frozenset(node.robot for node in recording.of(NodeAdded))
     scans = _Scans()
     heard = _Heard()
@@ -135,6 +149,11 @@ def evidence(recording: Recording, environment: Environment, what: Explorable) -
                     if heard.could_learn(name, event.robot):
                         heard.know(name, event.robot, event.time_s)
                         knowledge.append((event.time_s, event.robot, nodes[name]))
+            case BaseLearned():
+                for name in event.nodes:
+                    if heard.could_learn(name, base):
+                        heard.know(name, base, event.time_s)
+                        delivered.append((event.time_s, nodes[name]))
             case Died():
                 knowledge.append((event.time_s, event.robot, None))
     claimed = runs_of(what.plane.cut, regions)
@@ -146,6 +165,7 @@ def evidence(recording: Recording, environment: Environment, what: Explorable) -
         nodes=nodes,
         with_nodes=with_nodes,
         knowledge=tuple(knowledge),
+        delivered=tuple(delivered),
         unshown_m2=0.0 if shown is claimed else _area_m2(claimed, what) - _area_m2(shown, what),
     )
 
@@ -177,7 +197,7 @@ class _Scans:
 
 
 class _Heard:
-    """Which nodes robots know, and when robots heard from one another."""
+    """Which nodes robots and the base station know, and when they heard from one another."""
 
     def __init__(self) -> None:
         self._knew_s: dict[NodeName, dict[int, float]] = defaultdict(dict)

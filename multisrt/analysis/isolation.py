@@ -20,7 +20,7 @@ from multisrt.analysis.isolation_spells import (
     spells_of_isolation,
 )
 from multisrt.analysis.link_changes import link_changes
-from multisrt.analysis.moving_points import track_of_legs
+from multisrt.analysis.moving_points import standing_track, track_of_legs
 from multisrt.analysis.poses import tracks as tracks_of
 from multisrt.analysis.separation import largest_separation
 from multisrt.environments.environment import Environment
@@ -121,7 +121,8 @@ def team_isolation(recording: Recording, environment: Environment | None = None)
     """Measure how the robots of a team were cut off from one another.
 
     A robot is isolated while other robots take part and none of its links holds. Relays make no
-    difference, as a robot that is reached through a relay has a link to that relay. Links are
+    difference, as a robot that is reached through a relay has a link to that relay; only a base
+    station that relays counts as a link between the robots that have a link to it. Links are
     those of the run's `RadioSpec`, without delays and losses; a robot whose radio is silent has
     none. A robot takes part from when it is switched on to its death or the end of the run, also
     after it is done; the only robot that takes part is not isolated.
@@ -154,6 +155,11 @@ def team_isolation(recording: Recording, environment: Environment | None = None)
     alone = len(present) < 2
     reaches_all = spec.reaches_everywhere
     tracks: list[FloatArray] = []
+    relays = [
+        standing_track(base.place, end)
+        for base in (recording.spec.base,)
+        if base is not None and spec.multi_hop
+    ]
     if not (alone or reaches_all):
         tracks = [track_of_legs(track.legs) for track in tracks_of(recording)]
         if spec.walls != "pass" and environment is None:
@@ -162,8 +168,10 @@ def team_isolation(recording: Recording, environment: Environment | None = None)
     if reaches_all:
         changes += [(0.0, NEAR, i, j) for i, j in itertools.combinations(range(len(present)), 2)]
     elif not alone:
-        changes += link_changes(spec, tracks, environment)
-    *spells, any_isolated, split = spells_of_isolation(changes, len(present), end, spec.multi_hop)
+        changes += link_changes(spec, [*tracks, *relays], environment)
+    *spells, any_isolated, split = spells_of_isolation(
+        changes, len(present), end, spec.multi_hop, relays=len(relays)
+    )
     robots = []
     for robot, own in enumerate(spells):
         beyond = None if spec.range_m is None else 0.0

@@ -21,7 +21,7 @@ Change = tuple[float, int, int, int]
 
 
 def spells_of_isolation(
-    changes: list[Change], robots: int, end_s: float, multi_hop: bool
+    changes: list[Change], robots: int, end_s: float, multi_hop: bool, *, relays: int = 0
 ) -> list[tuple[Spell, ...]]:
     """Return when each robot was isolated, when any robot was, and when the team was split.
 
@@ -35,6 +35,9 @@ def spells_of_isolation(
         The end of the run.
     multi_hop : bool
         Whether robots relay messages, so that a connected network is not split.
+    relays : int, optional
+        How many relays there are that are no robots and always work; they have the numbers after
+        the last robot.
 
     Returns
     -------
@@ -44,7 +47,7 @@ def spells_of_isolation(
     changes.sort()
     times = np.array([change[0] for change in changes])
     what = np.array([change[1:] for change in changes], np.int64).reshape(-1, 3)
-    rows = _sweep(times, what, robots, end_s, multi_hop)
+    rows = _sweep(times, what, robots, relays, end_s, multi_hop)
     found: list[list[Spell]] = [[] for _ in range(robots + 2)]
     for number, begin, until in rows.tolist():
         spells = found[int(number)]
@@ -57,10 +60,10 @@ def spells_of_isolation(
 
 @kernel
 def _sweep(
-    times: FloatArray, what: IntArray, robots: int, end: float, multi_hop: bool
+    times: FloatArray, what: IntArray, robots: int, relays: int, end: float, multi_hop: bool
 ) -> FloatArray:
     # Spells (number, begin, end) of every robot, then of any of them and of a split team.
-    state = np.zeros((3, robots, robots), np.bool_)
+    state = np.zeros((3, robots + relays, robots + relays), np.bool_)
     since = np.full(robots + 2, -1.0)
     rows = [(0, 0.0, 0.0)]
     k = 0
@@ -71,7 +74,7 @@ def _sweep(
             state[kind, i, j] = not state[kind, i, j]
             state[kind, j, i] = state[kind, i, j]
             k += 1
-        cut_off = _cut_off(state, multi_hop)
+        cut_off = _cut_off(state, robots, multi_hop)
         for number in range(robots + 2):
             if cut_off[number] and since[number] < 0.0:
                 since[number] = now
@@ -88,8 +91,7 @@ def _sweep(
 
 
 @kernel
-def _cut_off(state: BoolArray, multi_hop: bool) -> BoolArray:
-    robots = state.shape[1]
+def _cut_off(state: BoolArray, robots: int, multi_hop: bool) -> BoolArray:
     cut_off = np.zeros(robots + 2, np.bool_)
     team = 0
     first = -1
@@ -106,7 +108,10 @@ def _cut_off(state: BoolArray, multi_hop: bool) -> BoolArray:
         count = 0
         for j in range(robots):
             works = state[PRESENT, j, j] and not state[SILENT, i, i] and not state[SILENT, j, j]
-            links[i, j] = j != i and works and state[NEAR, i, j]
+            near = state[NEAR, i, j]
+            for relay in range(robots, state.shape[1]):
+                near |= state[NEAR, i, relay] and state[NEAR, j, relay]
+            links[i, j] = j != i and works and near
             count += links[i, j]
         cut_off[i] = count == 0
         cut_off[robots] |= count == 0

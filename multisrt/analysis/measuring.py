@@ -21,6 +21,7 @@ from multisrt.analysis.coverage import (
     known_complete_s,
     lost_areas_m2,
 )
+from multisrt.analysis.delivery import delivery, mean_s
 from multisrt.analysis.evidence import Evidence, evidence
 from multisrt.analysis.explorable import Explorable, explorable, viewers
 from multisrt.analysis.given_up import given_up_m2
@@ -139,6 +140,7 @@ def measure_with_curve(
         **_distance(recording),
         **_area(proof, covered, environment, horizon_s),
         **_knowledge(proof, covered, horizon_s),
+        **_base(proof, covered, horizon_s),
         **_isolation(recording, environment),
         **_radio(recording),
         **_effort(recording),
@@ -231,6 +233,20 @@ def _knowledge(proof: Evidence, covered: Coverage, horizon_s: float) -> dict[str
         "known_to_one_m2s": math.fsum(known.integral_m2s),
         "known_to_one_by_robot_m2s": known.integral_m2s,
         "known_to_one_m2": math.fsum(known.final_m2),
+    }
+
+
+def _base(proof: Evidence, covered: Coverage, horizon_s: float) -> dict[str, Any]:
+    delivered = delivery(proof, covered)
+    if delivered is None:
+        return {}
+    return {
+        "delivered_coverage": min(delivered.share, covered.share),
+        "delivered_90_s": delivered.time_to(0.90),
+        "delivered_95_s": delivered.time_to(0.95),
+        "delivered_99_s": delivered.time_to(0.99),
+        "base_age_s": delivered.age_s(covered, horizon_s),
+        "carrying_s": mean_s(delivered.carrying_s),
     }
 
 

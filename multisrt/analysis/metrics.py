@@ -101,6 +101,18 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
         The same for each robot.
     known_to_one_m2 : float
         The area that only one robot knew at the end, whichever robot it was.
+    delivered_coverage : float or None
+        Share of the explorable area that the base station knew at the end, from 0 to 1: covered
+        by nodes that came to it in messages. None, as all that follows up to `carrying_s`, in a
+        run without a base station; see `multisrt.analysis.delivery`.
+    delivered_90_s, delivered_95_s, delivered_99_s : float or None
+        When that share was delivered; None also if it never was.
+    base_age_s : float or None
+        Mean age of news: the time between the covering and the delivery of an area, in the mean
+        over the area that was covered; what was not delivered counts up to the horizon.
+    carrying_s : float or None
+        For how long a robot knew something that the base station did not know, in the mean over
+        all robots.
     isolated_total_s : float
         Time during which at least one robot was isolated from all others that took part; see
         `multisrt.analysis.isolation` for this and what follows.
@@ -114,7 +126,8 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
     split_s : float
         Time during which some robot could not have reached another one.
     messages : int
-        How many messages were sent, whether or not any robot received them.
+        How many messages were sent, whether or not any robot received them; in all measures of
+        messages the base station is a sender and a receiver as a robot is.
     deliveries : int
         How many receivers the messages came to, relayed or not.
     lost_deliveries : int
@@ -233,6 +246,12 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
     lower_bound_witness_s: float | None
     diagram_left: dict[str, int] = {}
     bids_by_radius: dict[str, int] = {}
+    delivered_coverage: float | None = None
+    delivered_90_s: float | None = None
+    delivered_95_s: float | None = None
+    delivered_99_s: float | None = None
+    base_age_s: float | None = None
+    carrying_s: float | None = None
 
     def reached(self, threshold: float = SUCCESS_COVERAGE) -> bool:
         """Whether the run was a success: whether it covered enough, however it ended.
@@ -268,6 +287,7 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
         rows = [
             ("covered", covered),
             ("95 % covered at", _seconds(self.time_to_95_s)),
+            *self._delivered(),
             ("map known complete at", _seconds(self.known_complete_s)),
             ("ended at (makespan)", _seconds(self.makespan_s)),
             ("lower bound of the makespan", _seconds(self.lower_bound_s)),
@@ -279,6 +299,14 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
         # As in pictures: the nodes of robots that map by scans on the way are such scans.
         nodes = "informative scans" if "scan" in self.nodes_by_stage else "nodes"
         return [*rows, (nodes, f"{self.nodes:,}"), ("collisions", str(self.collisions))]
+
+    def _delivered(self) -> list[tuple[str, str]]:
+        if self.delivered_coverage is None:
+            return []
+        return [
+            ("delivered to the base", f"{100.0 * self.delivered_coverage:.1f} %"),
+            ("95 % delivered at", _seconds(self.delivered_95_s)),
+        ]
 
     def _repr_html_(self) -> str:
         rows = [
@@ -339,6 +367,14 @@ METRIC_GROUPS: dict[str, tuple[str, ...]] = {
         "known_to_one_m2s",
         "known_to_one_by_robot_m2s",
         "known_to_one_m2",
+    ),
+    "base": (
+        "delivered_coverage",
+        "delivered_90_s",
+        "delivered_95_s",
+        "delivered_99_s",
+        "base_age_s",
+        "carrying_s",
     ),
     "isolation": (
         "isolated_total_s",

@@ -48,6 +48,11 @@ def track_of_legs(legs: FloatArray) -> FloatArray:
     return track[lasting] if lasting.any() else track[-1:]
 
 
+def standing_track(place: tuple[float, float], end_s: float) -> FloatArray:
+    """Return the track of what stands at a place from 0 to the end of the run, in seconds."""
+    return np.array([[0.0, end_s, *place, 0.0, 0.0, 0.0, 0.0]])
+
+
 @kernel
 def position(leg: FloatArray, time: float) -> tuple[float, float]:
     """Return x and y at a time on a leg."""

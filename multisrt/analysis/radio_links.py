@@ -9,7 +9,7 @@ from collections import defaultdict
 from multisrt.analysis.isolation import presence
 from multisrt.analysis.isolation_spells import RESOLUTION_S, Spell
 from multisrt.analysis.link_changes import link_changes
-from multisrt.analysis.moving_points import track_of_legs
+from multisrt.analysis.moving_points import standing_track, track_of_legs
 from multisrt.analysis.poses import tracks
 from multisrt.environments.environment import Environment
 from multisrt.recording import Recording
@@ -31,7 +31,8 @@ def radio_links(
     Returns
     -------
     dict of (int, int) to tuple of (begin_s, end_s)
-        By pairs of robots, the lower number first; pairs without any link are left out. Links
+        By pairs of robots, the lower number first; pairs without any link are left out. The base
+        station takes part from begin to end, under the number after that of the last robot. Links
         are those of the run's `RadioSpec`, without delays and losses, between robots that take
         part and whose radios work; see `multisrt.analysis.isolation.team_isolation`.
 
@@ -46,12 +47,17 @@ def radio_links(
     """
     spec, end = recording.spec.radio, recording.footer.time_s
     present, switches = presence(recording)
+    base = recording.spec.base
+    if base is not None:
+        present.append((0.0, end))
     pairs = list(itertools.combinations(range(len(present)), 2))
     near: dict[tuple[int, int], list[float]] = defaultdict(list)
     if spec.reaches_everywhere:
         near.update({pair: [0.0] for pair in pairs})
     elif pairs:
         ways = [track_of_legs(track.legs) for track in tracks(recording)]
+        if base is not None:
+            ways.append(standing_track(base.place, end))
         if spec.walls != "pass" and environment is None:
             environment = recording.environment()
         for time, _, i, j in link_changes(spec, ways, environment):

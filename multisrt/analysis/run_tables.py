@@ -6,11 +6,13 @@ import msgspec
 import numpy as np
 
 from multisrt.analysis.coverage import coverage
+from multisrt.analysis.delivery import delivery
 from multisrt.analysis.evidence import evidence
 from multisrt.analysis.explorable import explorable, viewers
 from multisrt.environments.environment import Environment
 from multisrt.events import AnyEvent, Motion
 from multisrt.extras.frames import Column
+from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.recording import Recording
 
 Columns = dict[str, Column]
@@ -81,6 +83,7 @@ def coverage_curve(recording: Recording, environment: Environment) -> Columns:
         `time_s`; `coverage` and `seen`, the shares of the explorable area from 0 to 1;
         `covered_area_m2` and `seen_area_m2`. They mean what they mean in `Metrics`, and hold from
         that time until the next row. The first row is at time 0, the last at the end of the run.
+        With a base station also `delivered`, the share that it knows, and `delivered_area_m2`.
 
     Examples
     --------
@@ -91,27 +94,34 @@ def coverage_curve(recording: Recording, environment: Environment) -> Columns:
     True
     """
     what = explorable(environment, viewers(recording.spec, recording.starts))
-    curve = coverage(evidence(recording, environment, what))
-    end_s = recording.footer.time_s
-    # The last of several changes at one time counts.
-    last = np.append(np.diff(curve.times_s) > 0.0, True) if len(curve.times_s) else slice(0)
-    times_s, covered_m2, seen_m2 = (
-        a[last] for a in (curve.times_s, curve.covered_m2, curve.seen_m2)
-    )
-    if not len(times_s) or times_s[0] > 0.0:
-        times_s, covered_m2, seen_m2 = (
-            np.insert(a, 0, 0.0) for a in (times_s, covered_m2, seen_m2)
-        )
-    if times_s[-1] < end_s:
-        times_s = np.append(times_s, end_s)
-        covered_m2, seen_m2 = (np.append(a, a[-1]) for a in (covered_m2, seen_m2))
+    proof = evidence(recording, environment, what)
+    curve = coverage(proof)
+    curves = {
+        "coverage": ("covered_area_m2", curve.times_s, curve.covered_m2),
+        "seen": ("seen_area_m2", curve.times_s, curve.seen_m2),
+    }
+    if (known := delivery(proof, curve)) is not None:
+        curves["delivered"] = "delivered_area_m2", known.times_s, known.delivered_m2
+    changes_s = [own_s for _, own_s, _ in curves.values()]
+    times_s = np.unique(np.concatenate([[0.0], *changes_s, [recording.footer.time_s]]))
+    areas = {
+        name: (area, _at(times_s, own_s, own_m2)) for name, (area, own_s, own_m2) in curves.items()
+    }
     return {
         "time_s": Column(float, times_s),
-        "coverage": Column(float, np.minimum(1.0, covered_m2 / curve.explorable_m2)),
-        "seen": Column(float, np.minimum(1.0, seen_m2 / curve.explorable_m2)),
-        "covered_area_m2": Column(float, covered_m2),
-        "seen_area_m2": Column(float, seen_m2),
+        **{
+            name: Column(float, np.minimum(1.0, area_m2 / curve.explorable_m2))
+            for name, (_, area_m2) in areas.items()
+        },
+        **{area: Column(float, area_m2) for area, area_m2 in areas.values()},
     }
+
+
+def _at(times_s: FloatArray, changes_s: FloatArray, areas_m2: FloatArray) -> FloatArray:
+    # Areas at some times, from those that hold after each change; 0 before the first.
+    last = np.searchsorted(changes_s, times_s, side="right")
+    areas: FloatArray = np.concatenate([[0.0], areas_m2])[last]
+    return areas
 
 
 def events(recording: Recording) -> Columns:

@@ -53,7 +53,10 @@ SECTIONS = {
     "Run": ("--strategy", "--import", "--option", "--seed", "--max-time", "--spec"),
     "Team": ("--robots", "--starts", "--start", "--robot", "--fault"),
     "Robots": ("--range", "--beams", "--footprint", "--drive", "--speed", "--turning-radius"),
-    "Radio": ("--radio-range", "--no-multi-hop", "--latency", "--jitter", "--loss", "--walls"),
+    "Radio": (
+        *("--radio-range", "--no-multi-hop", "--latency", "--jitter", "--loss", "--walls"),
+        "--base",
+    ),
     "Generators": ("--set",),
     "Image maps": ("--resolution", "--threshold", "--starts-from"),
     "Output": (
@@ -81,6 +84,7 @@ Examples:
   multisrt explore museum --robots 4 --watch
   multisrt explore floor.yaml --start 2.5,4 --start 3.5,4 --range 6
   multisrt explore plan.png --resolution 0.05 --footprint box:0.6x0.4
+  multisrt explore office --robots 3 --radio-range 15 --base 2,3
   multisrt explore office --robots 3 --fault death:2@30 --fault late:1@60
   multisrt explore office --robot footprint=disc:0.3,range=6 --robot speed=1
   multisrt explore museum --robots 4 --without outlines --without nodes
@@ -198,6 +202,11 @@ Exit code:
     "--walls",
     type=click.Choice(["pass", "block", "weaken"]),
     help="What walls do to the radio's signal.  [default: pass]",
+)
+@click.option(
+    "--base",
+    metavar="X,Y",
+    help="A base station (m), which robots reach by radio; measures tell what it knows.",
 )
 @world_options
 @out_folder("the results", "runs/ENV-STRATEGY-SEED, with a number if it exists")

@@ -11,8 +11,9 @@ LAYERS: Final = {
     "map": (
         *("areas", "outlines", "paths", "support", "bridges", "edges", "nodes", "goals"),
         *("isolation", "frontier", "given-up", "stops", "starts", "ends", "failures"),
+        *("delivered", "base"),
     ),
-    "animation": ("areas", "paths", "edges", "nodes", "goals", "bodies", "caption"),
+    "animation": ("areas", "paths", "edges", "nodes", "goals", "base", "bodies", "caption"),
     "export": ("paths", "edges", "nodes", "bodies", "maps", "links", "decisions"),
 }
 """Layers by what has them. The import of `multisrt.drawing.layers`, which describes them, would

@@ -12,7 +12,7 @@ import click
 from multisrt.geometry.errors import InvalidInputError, did_you_mean
 
 if TYPE_CHECKING:
-    from multisrt.spec import EnvironmentSpec, Fault, RobotSpec, RunSpec
+    from multisrt.spec import BaseSpec, EnvironmentSpec, Fault, RobotSpec, RunSpec
 
 T = TypeVar("T")
 
@@ -91,6 +91,7 @@ def spec_of_options(environment: str, strategy: str | None, given: Mapping[str, 
         robots=_team(given),
         radio=_built(RadioSpec, radio, OPTIONS_OF_RADIO),
         faults=tuple(_fault(text) for text in given["faults"]),
+        base=None if given["base"] is None else _base(given["base"]),
         stop=_built(StopRule, _renamed(given, max_time="max_time_s"), {"max_time_s": "--max-time"}),
         **fields,
     )
@@ -327,6 +328,16 @@ def _fault(text: str) -> Fault:
     return Silence(
         robot=robot, time_s=time_s, duration_s=_number(found["duration"], float, "--fault")
     )
+
+
+def _base(text: str) -> BaseSpec:
+    from multisrt.spec import BaseSpec
+
+    try:
+        x, y = (float(part) for part in text.split(","))
+    except ValueError:
+        raise click.BadParameter(f"{text!r} is not X,Y", param_hint="--base") from None
+    return BaseSpec(x=x, y=y)
 
 
 def _key_and_value(text: str, option: str) -> tuple[str, str]:

@@ -128,6 +128,11 @@ def _print_comparison(runs: list[Run]) -> None:
 
     measures: dict[str, list[float | None]] = {
         "95 % (s)": [run.metrics.time_to_95_s for run in runs],
+        **(
+            {}
+            if all(run.spec.base is None for run in runs)
+            else {"95 % at base (s)": [run.metrics.delivered_95_s for run in runs]}
+        ),
         "known (s)": [run.metrics.known_complete_s for run in runs],
         "done (s)": [run.metrics.makespan_s for run in runs],
         "driven (m)": [run.metrics.total_distance_m for run in runs],
@@ -201,6 +206,7 @@ def _rows(run: Run, nodes: str, runs: list[Run], *, details: bool) -> Rows:
             for why in _kinds(_large(run.metrics.given_up_m2) for run in runs)
         },
         **_times_covered(run, narrow=len(runs) > MAX_WIDE),
+        **({} if m.delivered_coverage is None else _base_rows(run, narrow=len(runs) > MAX_WIDE)),
         "map known complete at": _seconds(m.known_complete_s),
         "ended at (makespan)": _seconds(m.makespan_s),
         "lower bound of the makespan": _seconds(m.lower_bound_s),
@@ -282,6 +288,22 @@ def _team_rows(run: Run, *, narrow: bool) -> Rows:
             if between is None
             else {f"smallest clearance of robots {CONTACT}": f"{between:.3f} m"}
         ),
+    }
+
+
+def _base_rows(run: Run, *, narrow: bool) -> Rows:
+    m = run.metrics
+    times = {"90": m.delivered_90_s, "95": m.delivered_95_s, "99": m.delivered_99_s}
+    share = 0.0 if m.delivered_coverage is None else m.delivered_coverage
+    return {
+        "delivered to the base": f"{100.0 * share:.2f} %",
+        **(
+            {f"{name} % delivered at": _seconds(value) for name, value in times.items()}
+            if narrow
+            else {"90, 95, 99 % delivered at": _times(*times.values())}
+        ),
+        "age of news at the base, mean": _seconds(m.base_age_s),
+        "a robot held news for, mean": _seconds(m.carrying_s),
     }
 
 

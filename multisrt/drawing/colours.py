@@ -115,6 +115,10 @@ DEATH: Final = Style(stroke=INK, width_mm=0.9)
 HALO: Final = Style(stroke=WHITE, width_mm=2.0)
 """Underlay of a cross, which separates it from lines."""
 
+BASE: Final = Style(fill=INK, stroke=WHITE, width_mm=0.25)
+DELIVERED: Final = Style(stroke=INK, width_mm=0.5, dashes_mm=(1.0, 0.8))
+"""Border of the area that the base station knows."""
+
 STOP: Final = Style(fill=WHITE, stroke=INK, width_mm=0.25)
 
 CLOSED: Final[dict[ArcReason, Style]] = {
@@ -130,6 +134,7 @@ NODE_MM: Final = (0.3, 0.8)
 """Range of the radius of nodes, which are smaller where edges are short."""
 
 START_MM: Final = 2.0
+BASE_MM: Final = 2.0
 GOAL_MM: Final = 0.6
 END_MM: Final = 1.7
 STOP_MM: Final = 0.9

@@ -26,6 +26,8 @@ LAYERS: Final[dict[str, str]] = {
     "starts": "starts, with the numbers of robots",
     "ends": "last positions of robots",
     "failures": "deaths and collisions",
+    "delivered": "the border of what the base station knows",
+    "base": "the base station",
     "bodies": "bodies of the robots, with their headings and numbers",
     "caption": "the title, the time, and what each robot is doing",
     "maps": "the map of each robot, and its frontier",
@@ -38,8 +40,9 @@ PICTURES: Final[dict[Picture, tuple[str, ...]]] = {
     "map": (
         *("areas", "outlines", "paths", "support", "bridges", "edges", "nodes", "goals"),
         *("isolation", "frontier", "given-up", "stops", "starts", "ends", "failures"),
+        *("delivered", "base"),
     ),
-    "animation": ("areas", "paths", "edges", "nodes", "goals", "bodies", "caption"),
+    "animation": ("areas", "paths", "edges", "nodes", "goals", "base", "bodies", "caption"),
     "export": ("paths", "edges", "nodes", "bodies", "maps", "links", "decisions"),
 }
 """Layers of each kind of picture, of `LAYERS`."""

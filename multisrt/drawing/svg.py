@@ -17,7 +17,17 @@ from multisrt.geometry.numerics.kernel import FloatArray
 
 Bounds = tuple[float, float, float, float]
 Marker = Literal[
-    "disc", "triangle", "wedge", "diamond", "square", "star", "octagon", "pin", "arrow", "cross"
+    "disc",
+    "triangle",
+    "wedge",
+    "diamond",
+    "square",
+    "star",
+    "octagon",
+    "house",
+    "pin",
+    "arrow",
+    "cross",
 ]
 
 FINEST = 1 / 5000
@@ -42,6 +52,15 @@ CORNERS: dict[Marker, tuple[tuple[float, float], ...]] = {
     ),
     "octagon": tuple(
         (math.cos(a), math.sin(a)) for a in (math.pi / 8 * n for n in range(1, 17, 2))
+    ),
+    "house": (
+        (-0.8, -0.9),
+        (0.8, -0.9),
+        (0.8, 0.15),
+        (1.2, 0.15),
+        (0.0, 1.3),
+        (-1.2, 0.15),
+        (-0.8, 0.15),
     ),
     # A disc with a tip in the direction of the heading.
     "pin": (

@@ -12,6 +12,7 @@ import numpy as np
 from multisrt.analysis.remaining_frontier import arcs_given_up, remaining_frontier
 from multisrt.events import (
     ArcClosed,
+    BaseLearned,
     Blocked,
     Collision,
     Died,
@@ -22,6 +23,7 @@ from multisrt.events import (
     Point,
     Purpose,
     Segment,
+    Sent,
 )
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
@@ -145,6 +147,8 @@ def traces_of(recording: Recording) -> list[Trace]:
     ]
     trees: dict[NodeName, int] = {}
     for event in recording.events:
+        if isinstance(event, Sent | BaseLearned):
+            continue
         if not 0 <= event.robot < len(traces):
             raise InvalidInputError(
                 f"the recording mentions robot {event.robot}, but its team has {len(traces)}, "

@@ -14,6 +14,7 @@ import shapely
 from multisrt.drawing.account import description, heading, legend, swatches, swatches_heading
 from multisrt.drawing.areas import seen_first
 from multisrt.drawing.axes import label_axes, on_axes
+from multisrt.drawing.base_marks import SIMPLER_MM, draw_base
 from multisrt.drawing.colours import (
     CLOSED,
     FRONTIER,
@@ -38,9 +39,6 @@ if TYPE_CHECKING:
 
 NODE_SHARE: Final = 0.2
 """Radius of a node as a share of the median edge, clipped to `NODE_MM`."""
-
-SIMPLER_MM: Final = 0.015
-"""Tolerance of the outlines of regions, in millimetres on paper."""
 
 MAX_OUTLINES: Final = 40
 """Upper bound of the regions of a team that are outlined one by one; of more, each robot's regions
@@ -128,6 +126,7 @@ def run_sheet(
         draw_paths(sheet, recording, environment, traces, absent)
     else:
         _draw_trees(sheet, recording, environment, traces, absent)
+    draw_base(sheet, recording, absent)
     if team:
         sheet.swatches = swatches(traces, absent)
         sheet.swatches_heading = swatches_heading(traces, absent)

@@ -70,7 +70,7 @@ def recording_of(
     )
     nodes = {(event.robot, event.serial) for event in events if isinstance(event, NodeAdded)}
     for event in events:
-        if flaw := flaw_of(event, spec.robots, nodes):
+        if flaw := flaw_of(event, spec, nodes):
             raise InvalidInputError(f"a {type(event).__name__} at {event.time_s:g} s: {flaw}")
         recorder.record(event)
     ends = [driver.end for driver in drivers]

@@ -41,7 +41,7 @@ class MissionEnv:
     **mission
         Keywords of `multisrt.explore` that describe the team and the run: `seed`, `options`,
         `robots`, `start`, `starts`, `footprint`, `range_m`, `beams`, `drive`, `radio_range_m`,
-        `radio`, `faults`, `max_time_s`.
+        `radio`, `base`, `faults`, `max_time_s`.
 
     Raises
     ------

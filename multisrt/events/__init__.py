@@ -44,6 +44,7 @@ from multisrt.events.knowledge import (
     Stage,
 )
 from multisrt.events.simulated import (
+    BaseLearned,
     Blocked,
     CameBack,
     Collision,
@@ -67,6 +68,7 @@ __all__ = [
     "ArcClosed",
     "ArcReason",
     "ArcReopened",
+    "BaseLearned",
     "Blocked",
     "CameBack",
     "Choice",
@@ -124,6 +126,7 @@ AnyEvent = (
     | Motion
     | Sensed
     | Sent
+    | BaseLearned
     | Blocked
     | Died
     | FellSilent

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from multisrt.events.event import Event, Pose, Segment
+from multisrt.events.event import Event, NodeName, Pose, Segment
 
 Purpose = Literal["explore", "support", "home", "give way"]
 """Why a robot moves; see `Motion`."""
@@ -41,7 +41,9 @@ class Sensed(Event, frozen=True, kw_only=True, tag="sensed"):
 
 
 class Sent(Event, frozen=True, kw_only=True, tag="sent"):
-    """A robot sent a message.
+    """A robot, or the base station, sent a message.
+
+    The number of the base station is that of robots in the team: it comes after the last robot.
 
     Attributes
     ----------
@@ -50,15 +52,27 @@ class Sent(Event, frozen=True, kw_only=True, tag="sent"):
     size_bytes : int
         Its size.
     reached : tuple of int
-        Robots to which it is delivered.
+        Robots to which it is delivered, perhaps with the base station.
     lost : tuple of int
-        Robots in reach to which it is lost.
+        Robots in reach to which it is lost, perhaps with the base station.
     """
 
     kind: str
     size_bytes: int
     reached: tuple[int, ...] = ()
     lost: tuple[int, ...] = ()
+
+
+class BaseLearned(Event, frozen=True, kw_only=True, tag="base_learned"):
+    """The base station learned of nodes, by a message of the robot.
+
+    Attributes
+    ----------
+    nodes : tuple of (robot, serial)
+        The nodes that were new to it.
+    """
+
+    nodes: tuple[NodeName, ...]
 
 
 class Blocked(Event, frozen=True, kw_only=True, tag="blocked"):

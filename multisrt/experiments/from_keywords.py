@@ -16,6 +16,7 @@ from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.numerics.arrays import builtin
 from multisrt.simulation.worlds import inline
 from multisrt.spec import RadioSpec
+from multisrt.spec.keywords import base_of
 
 
 def from_keywords(given: Mapping[str, Any]) -> ExperimentSpec:
@@ -49,6 +50,8 @@ def from_keywords(given: Mapping[str, Any]) -> ExperimentSpec:
     fields["environments"] = [_environment(one) for one in fields["environments"]]
     if "radios" in fields:
         fields["radios"] = [_radio(one) for one in fields["radios"]]
+    if "base" in fields:
+        fields["base"] = base_of(fields["base"])
     if "seeds" in fields:
         fields |= _repetitions(fields.pop("seeds"))
     return from_fields(fields)

@@ -170,6 +170,14 @@ MEASURES = (
     _measure("coverage_integral_s", "Integral of what is not yet covered", "s"),
     _measure("time_to_90_s", "Time to 90 % coverage", "s"),
     _measure("time_to_99_s", "Time to 99 % coverage", "s"),
+    _measure(
+        "delivered_coverage", "Coverage known to the base", "", lower_is_better=False, digits=4
+    ),
+    _measure("delivered_90_s", "Time to 90 % delivered to the base", "s"),
+    _measure("delivered_95_s", "Time to 95 % delivered to the base", "s"),
+    _measure("delivered_99_s", "Time to 99 % delivered to the base", "s"),
+    _measure("base_age_s", "Mean time between covering and delivery to the base", "s"),
+    _measure("carrying_s", "Time in which a robot held news for the base, mean", "s"),
     _measure("overlap_share", "Share seen by several robots", "", digits=3),
     _measure("lost_area_m2", "Area lost with robots that died", "m2"),
     _measure("isolated_total_s", "Time in which a robot was isolated", "s"),
@@ -204,6 +212,9 @@ MEASURES = (
 
 INTEGRALS = ("coverage_integral_s", "known_to_one_m2s")
 """Names of the measures that are integrals over time, to the horizon of the runs."""
+
+TO_HORIZON = (*INTEGRALS, "base_age_s")
+"""Names of all measures that depend on the horizon of the runs."""
 
 
 def measure_named(name: str) -> Measure:

@@ -115,6 +115,7 @@ def run_spec(
         radio=RadioSpec(
             **{name: getattr(choices.radio, name) for name in RadioSpec.__struct_fields__}
         ),
+        base=spec.base,
         faults=_faults(choices.faults, len(robots), seed),
         stop=spec.stop,
         seed=seed,

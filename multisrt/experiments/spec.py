@@ -15,6 +15,7 @@ from msgspec import Meta
 from multisrt.analysis.metrics import SUCCESS_COVERAGE
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.spec import (
+    BaseSpec,
     DriveSpec,
     Fault,
     PlacedHow,
@@ -320,6 +321,8 @@ class ExperimentSpec(_Part, frozen=True, kw_only=True, omit_defaults=True):
         Seed of repetition 0; repetition k has this seed plus k.
     drive, range_finder : DriveSpec, RangeFinderSpec
         Those of bodies without a drive or a range finder of their own.
+    base : BaseSpec or None
+        The base station of every run; None: there is none.
     stop : StopRule
         When a run is stopped.
     limits : Limits
@@ -369,6 +372,7 @@ class ExperimentSpec(_Part, frozen=True, kw_only=True, omit_defaults=True):
     first_seed: Seed = 0
     drive: DriveSpec = DriveSpec()
     range_finder: RangeFinderSpec = RangeFinderSpec()
+    base: BaseSpec | None = None
     stop: StopRule = StopRule()
     limits: Limits = Limits()
     success_coverage: float = SUCCESS_COVERAGE

@@ -100,6 +100,11 @@ speed_m_s = 0.5
 range_m = 4.0
 # beams = 360
 
+# A base station, which robots reach by radio: where it is (m). Measures tell what it knows.
+# [base]
+# x = 2.0
+# y = 3.0
+
 # Simulated time at which a run is stopped, and in which something has to happen: a robot moves,
 # scans at another place, adds a node or learns one (s).
 [stop]

@@ -11,6 +11,7 @@ from multisrt.events import (
     AnyEvent,
     ArcClosed,
     ArcReopened,
+    BaseLearned,
     Blocked,
     CameBack,
     Coordinated,
@@ -151,7 +152,8 @@ def _shared(recording: Recording) -> _Shared:
     if recording not in _SHARED:
         found = _Shared([[] for _ in recording.starts], {}, [])
         for place, event in enumerate(recording.events):
-            found.of_robots[event.robot].append((place, event))
+            if event.robot < len(recording.starts):  # not one of the base station
+                found.of_robots[event.robot].append((place, event))
             if isinstance(event, NodeAdded):
                 found.nodes[event.robot, event.serial] = place, event
             elif isinstance(event, Organized):
@@ -189,6 +191,10 @@ def _windows(
         yield [*past.until(begin, time_s), *own[begin:stop]]
 
 
+NOT_COUNTED = (Sent, BaseLearned, Coordinated, Ended, ArcClosed, ArcReopened)
+"""Events that explain nothing of a later choice."""
+
+
 class _Past:
     """What matters of the events before a choice, for choices one after the other."""
 
@@ -213,7 +219,7 @@ class _Past:
             self.learned.append(place)
         elif isinstance(event, CHOICES | Motion | Supports) and event.robot == self.robot:
             self.last[type(event)] = place
-        elif not isinstance(event, Sent | Coordinated | Ended | ArcClosed | ArcReopened):
+        elif not isinstance(event, NOT_COUNTED):
             self.counted.append(place)
 
     def _recent(self, begin: int, time_s: float) -> set[int]:

@@ -11,6 +11,7 @@ from typing import Generic, TypeVar
 
 from multisrt.events import (
     AnyEvent,
+    BaseLearned,
     Decided,
     Decision,
     Ended,
@@ -136,6 +137,10 @@ class ChoiceStory(ABC, Generic[ChoiceT]):
         names = [n for event in self.meanwhile if isinstance(event, Learned) for n in event.nodes]
         if names:
             yield f"it learned {many(len(names), self.things)} of others: {by_robot(names)}"
+        brought = [e for e in self.meanwhile if isinstance(e, BaseLearned)]
+        if brought:
+            names = [name for event in brought for name in event.nodes]
+            yield f"the base station learned {many(len(names), self.things)} of it"
 
     def endings(self) -> Iterator[str]:
         """Describe its messages and its problems: the last sections of every explanation."""

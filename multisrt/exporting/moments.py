@@ -241,12 +241,15 @@ def _links(
     recording: Recording, environment: Environment, options: ExportOptions
 ) -> Iterator[Moment]:
     spec, robots = recording.spec.radio, len(recording.starts)
-    if spec.reaches_everywhere or robots < 2:
+    base = recording.spec.base
+    stations = np.array([] if base is None else [base.place]).reshape(-1, 2)
+    members = robots + len(stations)
+    if spec.reaches_everywhere or members < 2:
         return
     index = None if spec.walls == "pass" else EdgeIndex(environment.edges, (spec.range_m or 12) / 3)
     changes, done = list(_bodies(recording)), 0
-    works = np.ones(robots, np.bool_)
-    one, two = np.triu_indices(robots, 1)
+    works = np.ones(members, np.bool_)
+    one, two = np.triu_indices(members, 1)
     for time_s in _ticks(recording.footer.time_s, max(1.0 / options.rate_hz, 1.0 / STANDING_HZ)):
         now = nanoseconds(time_s)
         while done < len(changes) and changes[done][0] <= now:
@@ -254,7 +257,7 @@ def _links(
             assert isinstance(body, Body)
             works[body.robot] = body.state == "on"
             done += 1
-        places = poses(recording, [time_s])[:, 0, :2]
+        places = np.vstack([poses(recording, [time_s])[:, 0, :2], stations])
         both = works[one] & works[two]
         lines = np.hstack([places[one[both]], places[two[both]]])
         yield now, Links(lines[links_hold(spec, index, lines)] if len(lines) else lines)

@@ -10,6 +10,7 @@ from multisrt.events import (
     AnyEvent,
     ArcClosed,
     ArcReopened,
+    BaseLearned,
     Blocked,
     Coordinated,
     Decided,
@@ -26,7 +27,7 @@ from multisrt.events import (
     Sent,
     Supports,
 )
-from multisrt.spec import RobotSpec
+from multisrt.spec import RunSpec
 from multisrt.spec.numbering import missing
 
 MAX_COORDINATE_M = 1e9
@@ -42,21 +43,26 @@ ROUNDING_M = 1e-3
 """Distance by which a region may exceed the range of its robot, for rounding."""
 
 
-def flaw_of(event: AnyEvent, robots: Sequence[RobotSpec], nodes: Container[NodeName]) -> str:
+def flaw_of(event: AnyEvent, spec: RunSpec, nodes: Container[NodeName]) -> str:
     """Return what is wrong with an event, in words; empty if nothing is.
 
     Parameters
     ----------
     event : AnyEvent
         The event.
-    robots : sequence of RobotSpec
-        The team.
+    spec : RunSpec
+        The run.
     nodes : container of (robot, serial)
         The nodes of the recording.
     """
+    robots = spec.robots
+    # The base station takes part in the radio traffic, under the number after the last robot.
+    members = len(robots) + (isinstance(event, Sent) and spec.base is not None)
     for robot in (event.robot, *_others(event)):
-        if not 0 <= robot < len(robots):
+        if not 0 <= robot < members:
             return missing(robot, len(robots))
+    if isinstance(event, BaseLearned) and spec.base is None:
+        return "a base station learned of nodes, but the run has none"
     for name in _nodes_named(event):
         if name not in nodes:
             return f"node {name[1]} of robot {name[0]} is nowhere in the recording"
@@ -177,6 +183,6 @@ def _nodes_named(event: AnyEvent) -> Iterable[NodeName]:
             return () if event.parent is None else (event.parent,)
         case Decision() | ArcClosed() | ArcReopened():
             return (event.node,)
-        case Learned():
+        case Learned() | BaseLearned():
             return event.nodes
     return ()

@@ -18,10 +18,14 @@ from multisrt.geometry.configuration import Configuration
 from multisrt.spec import RunSpec
 
 FORMAT = "multisrt-recording"
-VERSION = 5
-READABLE = (3, 4, VERSION)
-"""Versions that are read: 4 has all that 5 has but the ends of steering by the nearness diagram, 3
-lacks the decisions of user-defined explorers as well."""
+VERSION = 6
+READABLE = (3, 4, 5, VERSION)
+"""Versions that are read: 5 has all that 6 has but base stations, 4 lacks the ends of steering by
+the nearness diagram as well, and 3 the decisions of user-defined explorers."""
+
+WITHOUT_BASE = 5
+"""The version of a recording without a base station, which older programs read as well."""
+
 RunOutcome = Literal["complete", "stalled", "out_of_time"]
 
 Ring = tuple[tuple[float, float], ...]
@@ -102,6 +106,7 @@ def header_of(spec: RunSpec, environment: Environment, starts: tuple[Configurati
         for part in environment.free.geoms
     )
     return Header(
+        format_version=WITHOUT_BASE if spec.base is None else VERSION,
         versions=_versions(),
         spec=spec.canonical(),
         world=environment.name,

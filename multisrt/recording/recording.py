@@ -202,7 +202,7 @@ class Recording:
             )
         nodes = {(event.robot, event.serial) for event in events if isinstance(event, NodeAdded)}
         for number, event in enumerate(events, 2):
-            if flaw := flaw_of(event, header.spec.robots, nodes):
+            if flaw := flaw_of(event, header.spec, nodes):
                 raise InvalidInputError(f"{path}, line {number}: {flaw}")
         for number, flaw in order_flaws(events, footer.time_s):
             raise InvalidInputError(f"{path}, line {number + 2}: {flaw}")

@@ -36,6 +36,10 @@ def conditions(spec: RunSpec) -> list[str]:
     phrases = ["1 robot"]
     if count > 1:
         phrases = [f"{count} robots", f"{spec.starts} starts", _radio(spec.radio)]
+    if spec.base is not None:
+        x, y = spec.base.place
+        phrases += [] if count > 1 else [_radio(spec.radio)]
+        phrases.append(f"base station at ({x:g}, {y:g})")
     phrases += [
         _of_all(robots, _range_finder),
         _of_all(robots, lambda robot: f"body {robot.footprint}"),

@@ -64,7 +64,8 @@ function distanceBy(run, time) {
   return sum;
 }
 
-function titleOf({ title, ofAll }, runs) {
+function titleOf({ title, ofAll, withBase }, runs) {
+  if (withBase && runs.some((run) => run.base)) return withBase;
   return ofAll && runs.some((run) => run.count > 1) ? `${title}, ${ofAll}` : title;
 }
 
@@ -76,13 +77,18 @@ function canBeCutOff(run) {
 const CURVES = [
   {
     title: "Covered (seen: thin line)",
+    withBase: "Covered (seen: grey, at the base: black line)",
     unit: "%",
     isOf: (run) => run.coverage !== null,
     otherwise: "Coverage is not known: the recording has no scans.",
-    kinds: [["seen", "soft", 1], ["coverage", "link", 2]],
+    kinds: [["seen", "soft", 1], ["coverage", "link", 2], ["delivered", "ink", 1]],
     most: () => 100,
-    value: (run, time, kind) => (run.coverage ? 100 * stepAt(run.coverage.t, run.coverage[kind], time) : null),
-    text: (run, time) => (run.coverage ? `${(100 * stepAt(run.coverage.t, run.coverage.coverage, time)).toFixed(1)} %` : "no scans"),
+    value: (run, time, kind) => (run.coverage && run.coverage[kind] ? 100 * stepAt(run.coverage.t, run.coverage[kind], time) : null),
+    text: (run, time) => {
+      const share = (kind) => `${(100 * stepAt(run.coverage.t, run.coverage[kind], time)).toFixed(1)} %`;
+      if (!run.coverage) return "no scans";
+      return run.coverage.delivered ? `${share("coverage")}, ${share("delivered")} at the base` : share("coverage");
+    },
   },
   {
     title: "Robots cut off",

@@ -17,7 +17,9 @@ class Marks extends Brush {
     this.c.clearRect(0, 0, view.width, view.height);
     this.robot = player.robotOf(run);
     this.time = time;
-    this.poses = run.robots.map((_, robot) => run.pose(robot, time));
+    const poses = run.robots.map((_, robot) => run.pose(robot, time));
+    // In messages and links the base station has the number after the last robot.
+    this.poses = run.base ? [...poses, [...run.base, 0]] : poses;
     this.doing = run.robots.map((_, robot) => this.activity(robot));
     this.areCutOff = run.robots.map((_, robot) => run.isCutOff(robot, time));
     if (layers.has("frontier")) this.drawGivenUp();
@@ -28,7 +30,8 @@ class Marks extends Brush {
     if (layers.has("stops")) this.drawStops();
     if (layers.has("messages")) this.drawMessages();
     if (player.run === view.number) this.drawChosenNode(player.panel.node);
-    if (layers.has("bodies")) this.bodies.draw(this.poses, this.doing, this.areCutOff, this.robot);
+    if (layers.has("bodies") && run.base) this.drawBase(...run.base);
+    if (layers.has("bodies")) this.bodies.draw(poses, this.doing, this.areCutOff, this.robot);
     if (layers.has("masters")) this.drawMasters();
   }
 
@@ -205,6 +208,15 @@ class Marks extends Brush {
       c.fill();
       this.stroke(colour, 2);
     }
+  }
+
+  drawBase(x, y) {
+    const { c, view } = this, { colours } = view.player, px = view.x(x), py = view.y(y), size = view.px(7);
+    c.beginPath();
+    for (const [u, v] of HOUSE) c.lineTo(px + size * u, py - size * v);
+    c.closePath();
+    this.stroke(colours.halo, 4);
+    this.fill(colours.ink);
   }
 
   drawChosenNode(node) {

@@ -83,7 +83,7 @@ class Panel {
       about.append(make("p", { textContent: `${run.title}: ${outcome} after ${run.end.toFixed(1)} s${why}${died}.` }));
       about.append(make("p", { textContent: `Set-up: ${conditions.join("; ")}.` }));
       about.append(make("p", { textContent: `Made by multisrt ${made}, digest ${digest}.` }));
-      if (!run.links && run.count > 1) about.append(make("p", { textContent: "The radio reaches everywhere: no links are drawn." }));
+      if (!run.links && (run.count > 1 || run.base)) about.append(make("p", { textContent: "The radio reaches everywhere: no links are drawn." }));
       if (!run.scans) about.append(make("p", { textContent: "The recording has no scans: what was seen is not known." }));
     }
     for (const note of this.player.notes) about.append(make("p", { textContent: note }));

@@ -162,6 +162,7 @@ def _packed_run(recording: Recording) -> Packed:
         "made": recording.header.versions.get("multisrt", ""),
         "end": round(footer.time_s / UNIT_S),
         "world": _packed_world(environment),
+        "base": None if spec.base is None else [round(c / UNIT_M) for c in spec.base.place],
         "robots": packed_robots(recording),
         "learned": packed_learned(recording, names),
         "goals": packed_goals(recording),
@@ -218,7 +219,9 @@ def _packed_activities(
 
 def _packed_coverage(recording: Recording, environment: Environment) -> Packed:
     columns = coverage_curve(recording, environment)
-    shares = {name: columns[name].values for name in ("coverage", "seen")}
+    shares = {
+        name: columns[name].values for name in ("coverage", "seen", "delivered") if name in columns
+    }
     return {"t": whole(columns["time_s"].values, UNIT_S)} | {
         # In hundredths of a percent.
         name: whole(values, 1e-4)

@@ -12,6 +12,7 @@ class Run {
     this.rings = unpackPoints(packed.world.rings);
     this.robots = packed.robots.map((robot) => ({ ...robot, body: unpackPoints(robot.body), track: trackOf(robot.track) }));
     this.count = this.robots.length;
+    this.base = packed.base && packed.base.map((value) => value / 1000);
     this.nodes = nodesOf(packed.nodes);
     this.unpackKnowledge(packed);
     this.unpackTeam(packed);
@@ -58,6 +59,7 @@ class Run {
     this.activities = activities.robots.map((own) => ({ t: running(own.t, 1000), what: own.what }));
     this.cutOff = activities.cut_off.map((own) => ({ begin: running(own.begin, 1000), end: running(own.end, 1000) }));
     this.coverage = curves.coverage && { t: running(curves.coverage.t, 1000), coverage: running(curves.coverage.coverage, 1e4), seen: running(curves.coverage.seen, 1e4) };
+    if (this.coverage && curves.coverage.delivered) this.coverage.delivered = running(curves.coverage.delivered, 1e4);
     this.isolated = { t: running(curves.isolated.t, 1000), robots: curves.isolated.robots };
   }
 

@@ -4,7 +4,10 @@
 const SAMPLE_WIDTH = 32, SAMPLE_HEIGHT = 18;
 const OF_TEAMS = ["groups", "masters", "links", "messages"]; // layers that a robot alone does not have
 
-// [layer, words, paint(sample)]
+// The outline of the mark of a base station, of size 1 around (0, 0).
+const HOUSE = [[-0.8, -0.9], [0.8, -0.9], [0.8, 0.15], [1.2, 0.15], [0, 1.3], [-1.2, 0.15], [-0.8, 0.15]];
+
+// [layer, words, paint(sample), whether it is of teams only, whether it is of base stations only]
 const SYMBOLS = [
   ["truth", "free space, obstacle, wall", (s) => s.box(s.colours.free, s.colours.wall, s.colours.solid)],
   ["seen", "seen by a scan", (s) => s.box(s.colours.seen)],
@@ -22,6 +25,7 @@ const SYMBOLS = [
   ["bodies", "cut off from all other robots", (s) => s.robot().ring(16, 8, s.colours.frontier, 2, [3, 3]), true],
   ["bodies", "dead", (s) => s.robot(s.colours.solid, s.colours.ink).cross(16, 7)],
   ["bodies", "not switched on yet", (s) => s.robot(s.colours.paper, s.line1, [2, 2])],
+  ["bodies", "base station", (s) => s.house(16, 6.5, s.colours.ink), false, true],
   ["bodies", "chosen robot or node", (s) => s.ring(16, 7, s.colours.link, 3)],
   ["groups", "robots that are engaged (GER)", (s) => s.oval(s.colours.link, 1.8, [], 0.1)],
   ["groups", "robots that are pre-engaged (GPR)", (s) => s.oval(s.colours.link, 1.2, [3, 4])],
@@ -122,6 +126,10 @@ class Sample {
     return this.shape(angles.map((angle) => [x + size * Math.cos(angle), 9 + size * Math.sin(angle)]), colour, within, 2.5);
   }
 
+  house(x, size, colour) {
+    return this.shape(HOUSE.map(([u, v]) => [x + size * u, 9 - size * v]), colour, colour, 1);
+  }
+
   robot(fill = this.body.fill, edge = this.body.edge, dashes = []) {
     this.dot(16, 4.5, fill);
     this.ring(16, 4.5, edge, 1.5, dashes);
@@ -174,6 +182,7 @@ class Sample {
 
 // The symbols of the layers that some runs have.
 function symbolsOf(runs) {
-  const hasTeam = runs.some((run) => run.count > 1);
-  return SYMBOLS.filter(([layer, , , isOfTeams]) => hasTeam || !(isOfTeams || OF_TEAMS.includes(layer)));
+  const hasTeam = runs.some((run) => run.count > 1), hasBase = runs.some((run) => run.base);
+  const hasRadio = (layer) => hasBase && ["links", "messages"].includes(layer);
+  return SYMBOLS.filter(([layer, , , isOfTeams, isOfBases]) => (hasBase || !isOfBases) && (hasTeam || hasRadio(layer) || !(isOfTeams || OF_TEAMS.includes(layer))));
 }

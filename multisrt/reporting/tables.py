@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from multisrt.experiments.crossing import Condition
-from multisrt.experiments.measures import INTEGRALS, Measure, measure_named
+from multisrt.experiments.measures import TO_HORIZON, Measure, measure_named
 from multisrt.experiments.results import Result, Results
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.reporting.layout import Cell, Table, number, slug
@@ -136,7 +136,7 @@ def measure_table(study: Study, measure: Measure) -> Table:
             f"Some conditions have only {fewest} runs: bootstrap intervals of so few runs are too "
             "narrow."
         )
-    if measure.name in INTEGRALS:
+    if measure.name in TO_HORIZON:
         notes.append(horizon_note(study))
     if any(c.kind != "none" for c in compared.values()):
         notes.append(significance_note(study, measure))

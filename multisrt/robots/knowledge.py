@@ -226,6 +226,20 @@ class EntriesMessage(Message, frozen=True, kw_only=True):
     entries: tuple[Node | Closing, ...]
 
 
+class AcknowledgementMessage(Message, frozen=True, kw_only=True):
+    """Tells a robot what the base station knows.
+
+    Attributes
+    ----------
+    have : tuple of (robot, nodes, closings)
+        What the base station knows; see `Counts`.
+    """
+
+    kind: ClassVar[str] = "acknowledgement"
+
+    have: Counts
+
+
 class Entries:
     """All nodes and closings that a robot knows, by id, with a count by maker.
 

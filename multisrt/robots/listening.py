@@ -2,6 +2,7 @@
 
 All strategies whose robots share nodes by messages have this in common. Some messages say how many
 entries of the map their sender has; a robot that lacks some of them asks for these, and gets them.
+So does a base station, which acknowledges what it has learned.
 """
 
 from __future__ import annotations
@@ -20,12 +21,12 @@ from multisrt.robots.explorer import (
     RadioSelf,
     Receive,
     Received,
-    RobotSelf,
     Send,
     Steps,
     TimedOut,
 )
 from multisrt.robots.knowledge import (
+    AcknowledgementMessage,
     Counts,
     CountsByRobot,
     Entries,
@@ -35,6 +36,7 @@ from multisrt.robots.knowledge import (
     WantMessage,
 )
 from multisrt.robots.messages import Message
+from multisrt.robots.robot_self import RadioMember
 
 Heard = Generator[Action, Outcome, Moved | None]
 
@@ -52,7 +54,7 @@ class Listener(ABC):
     ----------
     robot : Clocked
         The clock, which is set to the time of every outcome.
-    me : RobotSelf
+    me : RadioMember
         What the robot knows of itself.
     entries : Entries
         The entries of its map.
@@ -65,6 +67,10 @@ class Listener(ABC):
         Number of the robot.
     size : int
         Number of robots in its team.
+    base : int or None
+        Number of the base station; None if there is none.
+    base_has : mapping of int to (nodes, closings)
+        What the base station had when it was last heard from, as `Entries.have` returns it.
     round_trip_s : float
         Latency of a question and its answer in seconds.
     period_s : float
@@ -76,10 +82,12 @@ class Listener(ABC):
     on until nothing more comes."""
 
     def __init__(
-        self, robot: Clocked, me: RobotSelf, entries: Entries, ask_period_s: float
+        self, robot: Clocked, me: RadioMember, entries: Entries, ask_period_s: float
     ) -> None:
         self.number = me.robot
         self.size = me.team
+        self.base = None if me.base is None else me.team
+        self.base_has: CountsByRobot = {}
         self.round_trip_s = 2.0 * me.radio.latency_s
         self.period_s = question_period_s(me.radio, ask_period_s)
         self._clock = robot
@@ -88,8 +96,28 @@ class Listener(ABC):
 
     @property
     def is_alone(self) -> bool:
-        """Whether the team is this robot."""
+        """Whether the team is this robot; a base station is no robot."""
         return self.size == 1
+
+    @property
+    def has_receivers(self) -> bool:
+        """Whether there is anything to report to: other robots, or a base station."""
+        return not self.is_alone or self.base is not None
+
+    @property
+    def carries(self) -> bool:
+        """Whether there is a base station that lacks, as far as is known, what this robot knows."""
+        return self.base is not None and self._entries.has_more_than(self.base_has)
+
+    def carried(self) -> tuple[Entry, ...]:
+        """Return what the base station lacks, as far as is known, of what this robot knows.
+
+        Returns
+        -------
+        tuple of Node or Closing
+            Ordered by robot, nodes first, by number; empty without a base station.
+        """
+        return () if self.base is None else self._entries.missing_from(self.base_has)
 
     def hear(self, timeout_s: float | None = 0.0) -> Heard:
         """Receive until the motion ends, something is heard, or time is up; answer questions.
@@ -112,7 +140,10 @@ class Listener(ABC):
         if isinstance(outcome, Received):
             self._clock.time_s = outcome.time_s
             for message in outcome.messages:
-                yield from self._take_message(message)
+                if message.sender == self.base and self.number != self.base:
+                    yield from self._take_from_base(message)
+                else:
+                    yield from self._take_message(message)
             return None
         if isinstance(outcome, Moved):
             return outcome
@@ -150,14 +181,30 @@ class Listener(ABC):
     def _take_message(self, message: Message) -> Steps:
         """Take one message, and answer it."""
 
+    def _take_from_base(self, message: Message) -> Steps:
+        """Take a message of the base station, which is none of the robots."""
+        match message:
+            case WantMessage():
+                yield from self._answer_want(message)
+            case EntriesMessage():
+                yield from self.learn(message.entries)
+            case AcknowledgementMessage():
+                self.base_has = most_of(self.base_has, have_of(message.have))
+
     def _answer_want(self, message: WantMessage) -> Steps:
         """Send the entries that the sender of a question lacks."""
         entries = self._entries.missing_from(have_of(message.have))
         if entries:
             yield Send(EntriesMessage(sender=self.number, entries=entries), message.sender)
 
-    def _ask_for_missing(self, other: int, theirs: Counts) -> Steps:
-        """Ask another robot for the entries that it has and this one lacks, if not done lately."""
+    def _ask_for_missing(self, other: int, theirs: Counts) -> Generator[Action, Outcome, bool]:
+        """Ask another robot for the entries that it has and this one lacks, if not done lately.
+
+        Returns
+        -------
+        bool
+            Whether it was asked.
+        """
         mine = self._entries.have()
         for robot, nodes, closings in theirs:
             known = mine.get(robot, (0, 0))
@@ -166,7 +213,9 @@ class Listener(ABC):
                     self._wanted[robot] = self._clock.time_s
                     have = self._entries.counts()
                     yield Send(WantMessage(sender=self.number, have=have), other)
-                return
+                    return True
+                return False
+        return False
 
 
 def question_period_s(radio: RadioSelf, ask_period_s: float) -> float:
@@ -189,3 +238,18 @@ def have_of(counts: Counts) -> CountsByRobot:
     {0: (7, 1), 2: (3, 0)}
     """
     return {robot: (nodes, closings) for robot, nodes, closings in counts}
+
+
+def most_of(one: CountsByRobot, other: CountsByRobot) -> CountsByRobot:
+    """Return the larger of two counts for every robot: counts never fall, messages may overtake.
+
+    Examples
+    --------
+    >>> most_of({0: (7, 1)}, {0: (5, 2), 2: (3, 0)})
+    {0: (7, 2), 2: (3, 0)}
+    """
+    most = dict(one)
+    for robot, (nodes, closings) in other.items():
+        known = most.get(robot, (0, 0))
+        most[robot] = max(nodes, known[0]), max(closings, known[1])
+    return most

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 from numpy.random import Generator as RandomGenerator
 
@@ -37,6 +38,56 @@ class RadioSelf:
     reaches_all: bool = True
 
 
+class RadioMember(Protocol):
+    """What takes part in the radio traffic of a team: a robot, or the base station."""
+
+    @property
+    def robot(self) -> int:
+        """Its number."""
+
+    @property
+    def team(self) -> int:
+        """Number of robots in the team."""
+
+    @property
+    def base(self) -> tuple[float, float] | None:
+        """Where the base station is; None if there is none."""
+
+    @property
+    def radio(self) -> RadioSelf:
+        """What its radio can do."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BaseSelf:
+    """The data of a base station before it begins.
+
+    Attributes
+    ----------
+    team : int
+        Number of robots in the team. It is also the number of the base station, as robots count
+        from 0.
+    base : (x, y)
+        Where it is, in metres.
+    radio : RadioSelf
+        What its radio can do.
+
+    Examples
+    --------
+    >>> BaseSelf(team=3, base=(0.0, 0.0)).robot
+    3
+    """
+
+    team: int
+    base: tuple[float, float]
+    radio: RadioSelf = RadioSelf()
+
+    @property
+    def robot(self) -> int:
+        """Its number among all that take part in the radio traffic."""
+        return self.team
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RobotSelf:
     """The data of a robot before it begins.
@@ -59,6 +110,9 @@ class RobotSelf:
         Number of robots in the team, this one included.
     radio : RadioSelf
         What its radio can do.
+    base : (x, y) or None
+        Where the base station is, in metres; None if there is none. In messages the number of the
+        base station is `team`.
     time_s : float
         When it begins.
     team_range_m : float or None
@@ -90,6 +144,7 @@ class RobotSelf:
     rng: RandomGenerator
     team: int = 1
     radio: RadioSelf = RadioSelf()
+    base: tuple[float, float] | None = None
     time_s: float = 0.0
     team_range_m: float | None = None
     orders: object = None

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 
-from multisrt.events import AnyEvent, NodeAdded, NodeName
+import msgspec
+
+from multisrt.events import AnyEvent, BaseLearned, NodeAdded, NodeName
 from multisrt.recording import Recorder, Recording, RunOutcome
 from multisrt.recording.flaws import flaw_of
 from multisrt.simulation.standstill import Standstill
@@ -44,7 +46,7 @@ class Journal:
         """Return what is wrong with an event at this point of the run; empty if nothing is."""
         if isinstance(event, NodeAdded) and (event.robot, event.serial) in self._nodes:
             return f"node {event.serial} of robot {event.robot} is on record already"
-        return flaw_of(event, self._recorder.header.spec.robots, self._nodes)
+        return flaw_of(event, self._recorder.header.spec, self._nodes)
 
     def record(self, event: AnyEvent) -> None:
         """Record an event."""
@@ -54,6 +56,12 @@ class Journal:
         self._standstill.take(event)
         if self._watch is not None:
             self._watch(event)
+
+    def record_learned(self, learned: BaseLearned) -> None:
+        """Record what a base station learned, as far as the nodes are on record themselves."""
+        nodes = tuple(name for name in learned.nodes if tuple(name) in self._nodes)
+        if nodes:
+            self.record(msgspec.structs.replace(learned, nodes=nodes))
 
     def note_time(self, time_s: float) -> None:
         """Note that something happened at a time, whether or not it is recorded."""

@@ -85,6 +85,13 @@ class Robot:
         self.motion: CurrentMotion | None = None
         self.end: Ended | None = None
 
+    def deliver(self, message: Message) -> None:
+        """Put a message that arrives into the mailbox, if the radio works."""
+        if self.hears:
+            self.mailbox.append(message)
+            if self.motion is None or message.wakes:
+                self.poke()
+
     def poke(self) -> None:
         """Wake its process, so that it looks at what happened."""
         if not self.wake.triggered:

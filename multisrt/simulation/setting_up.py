@@ -14,6 +14,8 @@ from multisrt.geometry.regions.edge_index import EdgeIndex
 from multisrt.recording import Header, header_of
 from multisrt.robots.explorer import Explorer, RobotSelf
 from multisrt.robots.registry import strategy
+from multisrt.robots.robot_self import BaseSelf
+from multisrt.simulation.base_station import require_free
 from multisrt.simulation.faults import late_starts
 from multisrt.simulation.radio import Radio
 from multisrt.simulation.random_streams import RandomStreams
@@ -44,6 +46,8 @@ class SetUp:
         The same as solids.
     radio : Radio
         The radio.
+    base : BaseSelf or None
+        What the base station knows of itself, if there is one.
     streams : RandomStreams
         Where random numbers come from.
     """
@@ -56,6 +60,7 @@ class SetUp:
     index: EdgeIndex
     obstacles: CollisionWorld
     radio: Radio
+    base: BaseSelf | None
     streams: RandomStreams
 
 
@@ -75,8 +80,8 @@ def set_up(
     Raises
     ------
     InvalidInputError
-        If the spec cannot be run (the world, its digest or starts, a start, the strategy or its
-        options).
+        If the spec cannot be run (the world, its digest or starts, a start, the place of the base
+        station, the strategy or its options).
     """
     # Equal specs give equal runs, also where one has whole numbers and the other has fractions.
     spec = spec.canonical()
@@ -95,6 +100,10 @@ def set_up(
     index = EdgeIndex(environment.edges, team_range_m / 3.0)
     radio = Radio(spec.radio, index, streams.of("radio"))
     joins = late_starts(spec.faults)
+    base = None
+    if spec.base is not None:
+        require_free(spec.base, environment)
+        base = BaseSelf(team=len(spec.robots), base=spec.base.place, radio=radio.datasheet())
     orders: Sequence[object] = [None] * len(spec.robots)
     if chosen.plan is not None:
         orders = chosen.plan(spec, environment, starts, planning)
@@ -109,6 +118,7 @@ def set_up(
                 rng=streams.of("robots", number),
                 team=len(spec.robots),
                 radio=radio.datasheet(),
+                base=None if base is None else base.base,
                 time_s=joins.get(number, 0.0),
                 team_range_m=team_range_m,
                 orders=orders[number],
@@ -126,6 +136,7 @@ def set_up(
         index=index,
         obstacles=_obstacles(environment),
         radio=radio,
+        base=base,
         streams=streams,
     )
 

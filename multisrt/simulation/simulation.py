@@ -112,7 +112,15 @@ class Simulation:
             journal=journal,
             max_time_s=spec.stop.max_time_s,
         )
-        self.mail = Mail(robots, setup.radio, spec.radio, traffic, clock=clock, journal=journal)
+        self.mail = Mail(
+            robots,
+            setup.radio,
+            spec.radio,
+            traffic,
+            setup.base,
+            clock=clock,
+            journal=journal,
+        )
         faults = Faults(spec.faults, robots, self.motions, clock=clock, journal=journal)
         surroundings = Surroundings(
             clock=clock,
@@ -155,6 +163,7 @@ class Simulation:
         # Suspended processes would keep the robots' maps until garbage is collected.
         for process in self._processes:
             process.close()
+        self.mail.close()
         self.interpreters.clear()
 
     def finish(self) -> Recording:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from multisrt.events import (
     AnyEvent,
+    BaseLearned,
     Blocked,
     CameBack,
     Died,
@@ -35,9 +36,9 @@ class Standstill:
     """Tells when robots have stood still for too long without anything new to them.
 
     Something has happened when a robot has moved or turned, has taken a scan at another place
-    than before, has added a node or learned one, has ended for the first time, or when a fault
-    has struck. A fault that is due later, and the end of a single wait that is longer than the
-    limit, count as something to come.
+    than before, has added a node or learned one, has ended for the first time, when the base
+    station has learned of a node, or when a fault has struck. A fault that is due later, and the
+    end of a single wait that is longer than the limit, count as something to come.
 
     Parameters
     ----------
@@ -119,7 +120,7 @@ class Standstill:
                 is_first = event.robot not in self._ended
                 self._ended.add(event.robot)
                 return is_first
-        return isinstance(event, NodeAdded | Joined | Died | FellSilent | CameBack)
+        return isinstance(event, NodeAdded | BaseLearned | Joined | Died | FellSilent | CameBack)
 
 
 DOING = {"off": "is switched off", "done": "is done", "dead": "is dead"}

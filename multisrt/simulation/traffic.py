@@ -195,8 +195,15 @@ class Traffic:
                 seen.append(other)
         return seen
 
-    def may_reach(self, robot: int, range_m: float, *, relayed: bool) -> list[int]:
-        """Return all robots that may hear a robot, itself included, in increasing order.
+    def may_reach(
+        self,
+        robot: int,
+        range_m: float,
+        *,
+        relayed: bool,
+        base: tuple[float, float] | None = None,
+    ) -> list[int]:
+        """Return all that may hear a robot or the base, itself included, in increasing order.
 
         They are those whose courses come within range of the robot's, and, where messages are
         relayed, within range of one another's. It is a superset: the radio asks exactly.
@@ -204,17 +211,24 @@ class Traffic:
         Parameters
         ----------
         robot : int
-            The robot that sends.
+            The robot that sends; the number of robots for the base station.
         range_m : float
             The range of the radio in metres.
         relayed : bool
-            Whether robots relay messages.
+            Whether robots, and the base station, relay messages.
+        base : (x, y), optional
+            Where the base station is, in metres.
         """
-        slacks = np.full(len(self._boxes), range_m + ROUNDING_M)
+        slack_m = range_m + ROUNDING_M
+        slacks, station = np.full(len(self._boxes), slack_m), len(self._boxes)
+        at_base = NOWHERE if base is None else (*base, *base)
         found, waiting = {robot}, [robot]
         while waiting:
-            box = self._boxes[waiting.pop()]
-            near = set(self._meeting(tuple(box.tolist()), slacks)) - found
+            number = waiting.pop()
+            box = at_base if number == station else tuple(self._boxes[number].tolist())
+            near = set(self._meeting(box, slacks)) - found
+            if base is not None and station not in found and overlap(box, at_base, slack_m):
+                near.add(station)
             found |= near
             waiting += sorted(near) if relayed else []
         return sorted(found)

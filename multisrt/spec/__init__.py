@@ -1,5 +1,6 @@
 """The complete description of a run: equal specs give equal recordings, byte for byte."""
 
+from multisrt.spec.base import BaseSpec
 from multisrt.spec.environments import (
     CatalogEnvironment,
     EnvironmentSpec,
@@ -26,6 +27,7 @@ __all__ = [
     "MAX_RANGE_M",
     "MIN_BEAMS",
     "MIN_RANGE_M",
+    "BaseSpec",
     "CatalogEnvironment",
     "Death",
     "DriveSpec",

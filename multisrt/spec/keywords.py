@@ -8,6 +8,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from multisrt.geometry.errors import InvalidInputError, did_you_mean
+from multisrt.spec.base import BaseSpec
 from multisrt.spec.faults import Death, LateStart, Silence
 
 if TYPE_CHECKING:
@@ -136,6 +137,9 @@ def require_use(spec: RunSpec, given: Mapping[str, str], size: str, *, sized: bo
             f"{given['starts']} says how starts are drawn, but every robot was given its start: "
             "leave out one of them"
         )
+    if spec.base is not None:
+        # A single robot uses its radio, too; but starts are drawn for teams alone.
+        given = {name: text for name, text in given.items() if name == "starts"}
     if given and not sized and len(spec.robots) == 1:
         raise InvalidInputError(
             f"{next(iter(given.values()))} is for teams, and there is one robot: give {size}, "
@@ -182,3 +186,37 @@ def start_of(start: Iterable[float]) -> tuple[float, ...]:
         raise InvalidInputError(
             f"a start is (x, y) or (x, y, heading) in metres and radians, not {start!r}"
         ) from None
+
+
+def base_of(base: BaseSpec | Iterable[float]) -> BaseSpec:
+    """Return a base station that is given as its spec or as its place.
+
+    Parameters
+    ----------
+    base : BaseSpec or (x, y)
+        The base station, or where it is, in metres.
+
+    Returns
+    -------
+    BaseSpec
+        The base station.
+
+    Raises
+    ------
+    InvalidInputError
+        If it is neither.
+
+    Examples
+    --------
+    >>> base_of((1, 2))
+    BaseSpec(x=1.0, y=2.0)
+    """
+    if isinstance(base, BaseSpec):
+        return base
+    try:
+        x, y = (float(value) for value in base)
+    except (TypeError, ValueError):
+        raise InvalidInputError(
+            f"a base station is given as its place (x, y) in metres, not {base!r}"
+        ) from None
+    return BaseSpec(x=x, y=y)

@@ -11,6 +11,7 @@ import msgspec
 
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.numerics.arrays import builtin
+from multisrt.spec.base import BaseSpec
 from multisrt.spec.environments import EnvironmentSpec
 from multisrt.spec.faults import Death, Fault, LateStart
 from multisrt.spec.numbering import numbers_of
@@ -78,6 +79,8 @@ class RunSpec(Part, frozen=True, kw_only=True):
         a random place.
     radio : RadioSpec
         How messages travel.
+    base : BaseSpec or None
+        The base station; None: there is none.
     faults : tuple of Death, Silence or LateStart
         What goes wrong.
     stop : StopRule
@@ -104,6 +107,7 @@ class RunSpec(Part, frozen=True, kw_only=True):
     robots: tuple[RobotSpec, ...] = (RobotSpec(),)
     starts: PlacedHow = "scattered"
     radio: RadioSpec = RadioSpec()
+    base: BaseSpec | None = None
     faults: tuple[Fault, ...] = ()
     stop: StopRule = StopRule()
     seed: int = 0

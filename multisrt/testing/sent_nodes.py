@@ -2,17 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
-import msgspec
-
 from multisrt.events import NodeAdded
 from multisrt.robots.explorer import Note, Received
 from multisrt.robots.knowledge import Node
+from multisrt.robots.message_contents import entries_in
 from multisrt.testing.supervision import SupervisedExplorer
-
-MAX_DEPTH = 6
-"""How deep messages are looked into."""
 
 
 def is_sent_nodes(robot: SupervisedExplorer) -> bool:
@@ -33,22 +27,9 @@ def is_sent_nodes(robot: SupervisedExplorer) -> bool:
         for turn in robot.turns
     )
     return notes and any(
-        _holds_node(message)
+        isinstance(entry, Node)
         for turn in robot.turns
         if isinstance(turn.outcome, Received)
         for message in turn.outcome.messages
+        for entry in entries_in(message)
     )
-
-
-def _holds_node(value: object, depth: int = 0) -> bool:
-    if isinstance(value, Node) or depth > MAX_DEPTH:
-        return isinstance(value, Node)
-    if isinstance(value, msgspec.Struct):
-        parts = [getattr(value, field) for field in value.__struct_fields__]
-    elif isinstance(value, Mapping):
-        parts = list(value.values())
-    elif isinstance(value, tuple | list | set | frozenset):
-        parts = list(value)
-    else:
-        return False
-    return any(_holds_node(part, depth + 1) for part in parts)

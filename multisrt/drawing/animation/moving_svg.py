@@ -38,7 +38,7 @@ from multisrt.drawing.animation.looks import (
     title_texts,
 )
 from multisrt.drawing.animation.scene import Actor, Dot, Edge, Scene, Span, is_listed
-from multisrt.drawing.colours import FREE, INK, NODE_MM, OBSTACLE, WHITE
+from multisrt.drawing.colours import BASE, BASE_MM, FREE, INK, NODE_MM, OBSTACLE, WHITE
 from multisrt.drawing.sheet import FONT
 from multisrt.drawing.svg import Pen, child, number, set_attributes
 
@@ -154,6 +154,10 @@ class _Document:
         if "paths" in layers:
             self._write_paths()
         self._write_trees()
+        if self.scene.base is not None:
+            mm = self.layout.mm
+            house = self.pen.marker("house", *self.scene.base, BASE_MM * mm)
+            child(self.map, "path", id="base", d=house, **BASE.attributes(mm))
         if "goals" in layers:
             self._write_goals()
         if "bodies" in layers:

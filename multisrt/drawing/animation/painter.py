@@ -39,7 +39,7 @@ from multisrt.drawing.animation.looks import (
     title_texts,
 )
 from multisrt.drawing.animation.scene import Actor, Dot, Edge, Scene, Span, is_listed
-from multisrt.drawing.colours import INK, NODE_MM, OBSTACLE, WHITE, Style
+from multisrt.drawing.colours import BASE, BASE_MM, INK, NODE_MM, OBSTACLE, WHITE, Style
 from multisrt.drawing.svg import CORNERS, Marker, printable
 from multisrt.geometry.numerics.kernel import FloatArray
 
@@ -87,6 +87,8 @@ class Painter:
         self._advance(number)
         image = self._base.copy()
         draw = ImageDraw.Draw(image)
+        if self.scene.base is not None:
+            self._draw_marker(draw, "house", self.scene.base, BASE_MM, BASE)
         if "goals" in self.scene.layers:
             self._draw_goals(draw, number)
         if "bodies" in self.scene.layers:

@@ -141,6 +141,8 @@ class Scene:
         The robots.
     captions : list of Span
         Time and coverage as text.
+    base : (x, y) or None
+        The place of the base station, in metres.
     """
 
     environment: Environment
@@ -154,6 +156,7 @@ class Scene:
     dots: list[Dot]
     actors: list[Actor]
     captions: list[Span]
+    base: Point | None = None
 
     @property
     def team(self) -> bool:
@@ -202,6 +205,7 @@ def scene_of(
     px_m = 1.0 / layout.scale
     edge_m = median_edge_m(traces)
     node_mm = NODE_MM[1] if edge_m is None else NODE_SHARE * edge_m / layout.mm
+    base = recording.spec.base
     edges, dots = _trees(recording, pace)
     edges = edges if "edges" in layers else []
     dots = dots if "nodes" in layers else []
@@ -218,6 +222,7 @@ def scene_of(
         dots=dots,
         actors=_actors(recording, environment, pace, layout, {edge.robot for edge in edges}),
         captions=_captions(recording, environment, pace) if captioned else [],
+        base=None if base is None or "base" not in layers else base.place,
     )
 
 

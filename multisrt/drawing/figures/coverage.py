@@ -12,6 +12,7 @@ from multisrt.drawing.axes import plot_steps
 from multisrt.drawing.figures.style import FigureStyle, freeze, legend_below, new_figure
 from multisrt.drawing.looks import look_of
 from multisrt.drawing.svg import printable
+from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.recording import Recording
 from multisrt.statistics.curves import StepCurve, common_grid, curve_bands
 
@@ -19,6 +20,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from matplotlib.lines import Line2D
+
+THIN_PT = 0.7
+"""Width of lines of what base stations know, in points."""
 
 HEIGHT_SHARE = 0.62
 """Height of the axes as a share of the width of the figure."""
@@ -31,7 +35,8 @@ def draw_coverage(recordings: Sequence[Recording], ax: Axes) -> list[Line2D]:
     ----------
     recordings : sequence of Recording
         The runs. A strategy with one run has its exact curve; of several the median is drawn,
-        with a band from the lower to the upper quartile.
+        with a band from the lower to the upper quartile. A single run with a base station has a
+        thin line of the share that the base station knows, too.
     ax : Axes
         Where to draw.
 
@@ -41,10 +46,13 @@ def draw_coverage(recordings: Sequence[Recording], ax: Axes) -> list[Line2D]:
         A line for each strategy, in the order of their first runs.
     """
     curves: dict[str, list[StepCurve]] = {}
+    delivered: dict[str, FloatArray] = {}
     for recording in recordings:
         columns = coverage_curve(recording, recording.environment())
         curve = np.asarray(columns["time_s"].values), np.asarray(columns["coverage"].values)
         curves.setdefault(recording.spec.strategy, []).append(curve)
+        if "delivered" in columns:
+            delivered[recording.spec.strategy] = np.asarray(columns["delivered"].values)
     lines: list[Line2D] = []
     for number, (strategy, own) in enumerate(curves.items()):
         look = look_of(number)
@@ -53,6 +61,9 @@ def draw_coverage(recordings: Sequence[Recording], ax: Axes) -> list[Line2D]:
         if len(own) == 1 or max(float(np.asarray(times)[-1]) for times, _ in own) <= 0.0:
             times_s, shares = map(np.asarray, own[0])
             lines.append(plot_steps(times_s, shares, ax, **drawn).lines[-1])
+            if (at_base := delivered.get(strategy)) is not None:
+                thin = drawn | {"label": f"{label}, at the base", "linewidth": THIN_PT}
+                lines.append(plot_steps(times_s, at_base, ax, **thin).lines[-1])
             continue
         bands = curve_bands(own, common_grid(own))
         drawn["label"] = f"{label} ({len(own)} runs)"

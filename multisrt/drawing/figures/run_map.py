@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 SHORT: Final = {
     "free space that is on no map": "on no map",
     "bridge between two nodes": "bridge",
+    "border of what the base knows": "known to the base",
     "start, with the robot's number": "start",
     "path in support of others": "support of others",
 }

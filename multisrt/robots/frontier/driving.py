@@ -126,7 +126,7 @@ def carry_out(
         trajectory=motion,
         purpose=purpose,
         guard_m=None if team.is_alone else robot.options.guard_m,
-        listen=not team.is_alone,
+        listen=team.has_receivers,
     )
     moved = yield from team.take(outcome)
     while moved is None:
@@ -137,7 +137,7 @@ def carry_out(
         else:
             moved = yield from team.hear(None)
     robot.course.arrive(moved.configuration, moved.time_s)
-    if not team.is_alone:
+    if team.has_receivers:
         yield from team.hear()
         if robot.time_s >= team.reported_s + robot.options.report_period_s:
             yield from team.report()

@@ -153,7 +153,7 @@ class FrontierExplorer:
         """Drive to the goal, and judge what came of it."""
         robot, goal = self.robot, self.robot.goal
         assert goal is not None
-        if not robot.team.is_alone:
+        if robot.team.has_receivers:
             yield from robot.team.report()
         ended = yield from self._drive(robot, goal)
         if isinstance(ended, Sighting):
@@ -236,13 +236,13 @@ class FrontierExplorer:
             done = Done(
                 complete=True,
                 reason="no frontier is left that it can reach",
-                on_call=not team.is_alone,
+                on_call=team.has_receivers,
             )
         else:
             is_jammed = progress.because is Event.JAMMED
             done = self.boxed_in(progress.standstill.jams if is_jammed else robot.bodies.numbers())
         team.phase = "idle"
-        if not team.is_alone:
+        if team.has_receivers:
             yield from team.report()
         known = robot.raster.revision
         while robot.raster.revision == known and not team.requests.any_pending:
@@ -258,5 +258,5 @@ class FrontierExplorer:
         return Done(
             complete=False,
             reason=boxed_in_by(by),
-            on_call=not self.robot.team.is_alone,
+            on_call=self.robot.team.has_receivers,
         )

@@ -84,6 +84,11 @@ class ReportMessage(Message, frozen=True, kw_only=True):
     entries: tuple[Node, ...] = ()
 
     @property
+    def have(self) -> Counts:
+        """What the sender knows; see `Counts`."""
+        return self.reports[0].have
+
+    @property
     def wakes(self) -> bool:
         """Whether it is a question: these also reach a robot that moves."""
         return self.asks or self.wants_goal

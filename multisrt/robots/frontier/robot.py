@@ -256,7 +256,7 @@ class FrontierRobot:
         if node is None:
             return
         yield Note(node.added("root" if node.parent is None else "scan"))
-        if not self.team.is_alone:
+        if self.team.has_receivers:
             yield from self.team.report()
         if self._watch is not None:
             yield from self._watch(self)

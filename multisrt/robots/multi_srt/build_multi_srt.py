@@ -87,5 +87,5 @@ class SrtExplorer:
             complete=not open_m and not may_leave,
             reason=reason,
             frontier=tuple(segment for arcs in frontier for segment in segments_of(arcs)),
-            on_call=not robot.team.is_alone,
+            on_call=robot.team.has_receivers,
         )

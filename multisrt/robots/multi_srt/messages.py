@@ -135,6 +135,11 @@ class StateMessage(Message, frozen=True, kw_only=True):
     entries: tuple[Node | Closing, ...] = ()
 
     @property
+    def have(self) -> Counts:
+        """What the sender knows; see `Counts`."""
+        return self.states[0].have
+
+    @property
     def wakes(self) -> bool:
         """Whether it is a question: those are answered during a motion, too."""
         return self.ask or bool(self.asked)

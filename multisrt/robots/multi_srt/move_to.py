@@ -118,16 +118,16 @@ def drive(
     robot: SrtRobot, motion: Trajectory, purpose: Purpose
 ) -> Generator[Action, Outcome, Moved]:
     """Make one motion, and listen meanwhile."""
-    alone = robot.team.is_alone
+    team = robot.team
     outcome = yield Move(
         trajectory=motion,
         purpose=purpose,
-        guard_m=None if alone else robot.options.guard_m,
-        listen=not alone,
+        guard_m=None if team.is_alone else robot.options.guard_m,
+        listen=team.has_receivers,
     )
-    moved = yield from robot.team.take(outcome)
+    moved = yield from team.take(outcome)
     while moved is None:
-        moved = yield from robot.team.hear(None)
+        moved = yield from team.hear(None)
     robot.at.q_act, robot.at.time_s = moved.configuration, moved.time_s
     return moved
 

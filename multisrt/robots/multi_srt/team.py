@@ -173,7 +173,7 @@ class Team(Listener):
     def announce(self, phase: Phase) -> Steps:
         """Tell the team which phase of its step this robot has reached, and what its map gained."""
         self.status.phase = phase
-        if not self.is_alone:
+        if self.has_receivers:
             yield from self.say()
 
     def rest(self) -> Steps:
@@ -227,11 +227,12 @@ class Team(Listener):
         is_late = not self.roster.states and self.at.time_s > 0.0
         self.status.path = ()
         self.status.phase = "waiting"
-        if not self.is_alone:
+        if self.has_receivers:
             asked = tuple(self.others) if is_late else ()
-            yield from self.say(ask=not self.hears_all, asked=asked)
+            asks = not (self.is_alone or self.hears_all)
+            yield from self.say(ask=asks, asked=asked)
             # Messages that have come are read first, and robots that are asked have time to answer.
-            yield from self.pause(0.0 if self.hears_all and not is_late else self.round_trip_s)
+            yield from self.pause(self.round_trip_s if asks or asked else 0.0)
 
     def ask(self, pending: Iterable[int]) -> Steps:
         """Ask robots for their states; those that never answer are taken as lost."""

@@ -106,7 +106,10 @@ def test_layers_that_are_left_out_are_not_in_the_document(told, layer):
         name: any(e.get("id") == name and len(e) for e in document.iter())
         for name in ("areas", "paths", "trees", "goals", "bodies", "time", "robots")
     }
-    gone = {"caption": {"time", "robots"}, "edges": set(), "nodes": set()}.get(layer, {layer})
+    # The run has no base station.
+    gone = {"caption": {"time", "robots"}, "edges": set(), "nodes": set(), "base": set()}.get(
+        layer, {layer}
+    )
     assert {name for name, there in drawn.items() if not there} == gone
     lines = [
         [path.get("fill") == "none" for path in by_id(found, "trees").iter(f"{SVG}path")]

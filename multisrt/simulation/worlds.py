@@ -217,8 +217,9 @@ def with_record(
     Examples
     --------
     >>> spec = RunSpec(environment=FileEnvironment(path="hall.wkt"))
-    >>> with_record(spec, "1f0c", ((2.0, 3.0),)).environment
-    FileEnvironment(path='hall.wkt', digest='1f0c', starts=((2.0, 3.0),))
+    >>> there = with_record(spec, "1f0c", ((2.0, 3.0),)).environment
+    >>> there.digest, there.starts
+    ('1f0c', ((2.0, 3.0),))
     """
     if not isinstance(spec.environment, FileEnvironment):
         return spec

@@ -161,10 +161,10 @@ def test_ablations_have_a_store_and_tables_of_their_own(reproduce, folder):
     text = (made / "summary.md").read_text()
     assert "96 of 96 runs, 6 repetitions" in text
     assert "### What settings of self-bidding change: 3 robots, 15 m radio" in text
-    # Medians and marks of five tables, two more by other measures, shares of isolation, bids,
-    # agreement, driving, thirteen claims, and five of the ablations.
+    # Effects, medians and marks of five tables, two more by other measures, shares of isolation,
+    # bids, agreement, driving, thirteen claims, and five of the ablations.
     page = (made / "report" / "index.html").read_text()
-    assert page == "60 runs, 13 claims, 29 tables"
+    assert page == "60 runs, 13 claims, 30 tables"
     # A second call has nothing to do, and says nothing of time.
     _, out, _ = reproduce("sbx-r", "--quick", "--seeds", "6")
     assert "of one core" not in out

@@ -82,6 +82,7 @@ EXAMPLES: dict[str, Any] = {
     "radio_range_m": 15.0,
     "radio": RadioSpec(range_m=18.0),
     "faults": [Death(robot=1, time_s=3.0)],
+    "base": (1.0, 1.0),
     "max_time_s": 50.0,
 }
 """A value of each keyword that differs from its default."""

@@ -52,16 +52,20 @@ class News(Message, frozen=True, kw_only=True):
 
 def node(serial: int, time_s: float, x: float = 1.0, y: float = 1.0, robot: int = 0) -> Node:
     half = 0.4
-    corners = (*np.array([(-half, -half), (half, -half), (half, half), (-half, half)]), x, y)
+    square = np.array([(-half, -half), (half, -half), (half, half), (-half, half)])
     return Node(
         id=NodeId(robot, serial),
         configuration=Configuration(x, y, 0.0),
         region=LocalSafeRegion(
-            x=x, y=y, range_m=4.0, boundary=corners, tags=np.zeros(4, np.int8)
+            x=x,
+            y=y,
+            range_m=4.0,
+            boundary=square + np.array([x, y]),
+            tags=np.zeros(4, np.int8),
         ),
         parent=None,
         time_s=time_s,
-    )  # fmt: skip
+    )
 
 
 def delivered(recording) -> dict[tuple[int, int], float]:

@@ -49,9 +49,9 @@ def _printed(cells: Cells, table: PaperTable, cell: Cell) -> tuple[float, float]
 def _ours(cells: Cells, table: PaperTable, cell: Cell) -> tuple[float, float]:
     """Return our medians of self-bidding and of the rival; nan without runs."""
     places = conditions_by_cell(cells)
-    _, *rest = cell
+    _, radio_m, robots = cell
     found = []
-    for key in ((SBX_R, *rest), cell):
+    for key in ((SBX_R, radio_m, robots), cell):
         values = [*cells.values(places[key], table.measure).values()]
         found.append(float(median(np.array(values))) if values else math.nan)
     return found[0], found[1]

@@ -133,7 +133,7 @@ def paired(a: ArrayLike, b: ArrayLike) -> RankTest:
         p_value = two_sided(ways_of_signing(ranks), int(ranks[a_is_lower].sum()))
     else:
         signed = np.where(a_is_lower, ranks, -ranks)
-        p_value = float(stats.wilcoxon(signed, method="asymptotic").pvalue)
+        p_value = float(stats.wilcoxon(signed, method="approx").pvalue)
     return RankTest(p_value=p_value, a_lower=float(ranks[a_is_lower].sum() / ranks.sum()))
 
 

@@ -302,6 +302,7 @@ def test_a_saved_spec_knows_the_starts_that_its_files_suggest(tmp_path, kind):
     run = explore(plain)
     run.save_spec(tmp_path / "spec.toml")
     spec = RunSpec.from_toml((tmp_path / "spec.toml").read_text())
+    assert isinstance(spec.environment, FileEnvironment)
     assert spec.environment.starts == run.environment.starts
     assert explore(spec).digest == run.digest
     # The same free space with other starts: the digest of the world is the same, that of a run not.

@@ -18,6 +18,7 @@ from multisrt.geometry.errors import InvalidInputError
 from multisrt.recording import Recorder, Recording
 from multisrt.recording.lines import WITHOUT_BASE
 from multisrt.spec import BaseSpec, RadioSpec
+from tests.multisrt.experiments.results import metrics_of
 
 TWO = ((1.0, 1.0, 0.0), (9.0, 9.0, 0.0))
 LEFT, RIGHT = shapely.box(0, 0, 4, 10), shapely.box(4, 0, 10, 10)
@@ -62,9 +63,9 @@ def test_measures_worked_out_on_paper(at_base, seen):
     # From 0 to 10 s, and from 20 s to the end.
     assert m.carrying_s == pytest.approx(40.0)
     columns = coverage_curve(recording, recording.environment())
-    assert columns["time_s"].values.tolist() == [0.0, 10.0, 20.0, 50.0]
-    assert columns["delivered"].values.tolist() == pytest.approx([0.0, 0.4, 0.4, 0.4], abs=1e-6)
-    assert columns["coverage"].values.tolist() == pytest.approx([0.4, 0.4, 1.0, 1.0], abs=1e-6)
+    assert list(columns["time_s"].values) == [0.0, 10.0, 20.0, 50.0]
+    assert list(columns["delivered"].values) == pytest.approx([0.0, 0.4, 0.4, 0.4], abs=1e-6)
+    assert list(columns["coverage"].values) == pytest.approx([0.4, 0.4, 1.0, 1.0], abs=1e-6)
 
 
 def test_all_is_delivered_in_the_end(at_base, seen):
@@ -90,7 +91,7 @@ def test_what_was_not_delivered_ages_up_to_the_horizon(at_base, seen):
     where = Condition(environment="hall", strategy="closest", robots=1)
     result = Result(key="k", condition=where, repetition=0, status="complete", reason="",
                     metrics=measure(recording))  # fmt: skip
-    assert result.to_horizon(80.0).metrics.base_age_s == pytest.approx(later.base_age_s)
+    assert metrics_of(result.to_horizon(80.0)).base_age_s == pytest.approx(later.base_age_s)
     earlier = measure(recording, horizon_s=30.0)
     assert earlier.base_age_s == pytest.approx((40 * 10 + 60 * 10) / 100, abs=1e-4)
 
@@ -155,7 +156,7 @@ def test_without_a_base_there_are_no_such_measures(recorded, seen):
     assert [getattr(m, name) for name in names] == [None] * 6
     assert not [row for row in m.outline() if "base" in row[0]]
     where = Condition(environment="hall", strategy="closest", robots=1)
-    result = Result(key="k", condition=where, repetition=0, status="", reason="", metrics=m)
+    result = Result(key="k", condition=where, repetition=0, status="complete", reason="", metrics=m)
     assert [measure_named(name).of(result) for name in names] == [None] * 6
 
 

@@ -34,14 +34,15 @@ def station():
     assert isinstance(next(steps), Done)
 
     def take(message: Message, time_s: float = 0.0) -> list:
-        actions, outcome = [], Received((message,), time_s)
+        actions: list = []
+        outcome: Received | None = Received((message,), time_s)
         while not isinstance(action := steps.send(outcome), Done):
             actions.append(action)
             outcome = None
         assert action.on_call
         return actions
 
-    take.entries = made.entries
+    take.entries = made.entries  # type: ignore[attr-defined]
     return take
 
 
@@ -206,6 +207,8 @@ def test_a_robot_answers_the_base(nodes):
         ears.entries.add_node(node)
     want = WantMessage(sender=1, have=((0, 1, 0),))
     [answer] = ears.take(Received((want,), 1.0))
+    assert isinstance(answer, Send)
+    assert isinstance(answer.message, EntriesMessage)
     assert (answer.to, answer.message.entries) == (1, (nodes[1],))
 
 

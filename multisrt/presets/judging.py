@@ -10,7 +10,7 @@ what a claim of "somewhere" is about.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -122,14 +122,14 @@ def judge(
     """
     comparisons, quantity = family.comparisons, family.quantity
     findings = weigh(comparisons)
-    whole = weigh_family(family)
+    whole, parts = weigh_family(family), _weighed_parts(family)
     decided = _decide(family, whole, findings, scope)
     limit = _limit(family, whole, scope) if decided != "not tested" else None
     where = " in one cell" * (scope == "somewhere")
     grounds = []
     if whole is not None:
         # A claim on one cell among others says nothing of all of them.
-        grounds += [] if scope == "somewhere" else [_family_lines(family, whole, sides)]
+        grounds += [] if scope == "somewhere" else [_family_lines(whole, parts, sides)]
         grounds += _cell_lines(findings, so, otherwise, sides)
     if limit is not None:
         grounds.append(power_line(limit, family.quantity) + where)
@@ -142,17 +142,18 @@ def judge(
         grounds.append(f"{missing} of {len(comparisons)} comparisons have no runs yet")
     if findings:
         grounds.append(method_line(findings))
-    others = _verdicts_of_parts(family, decided)
+    others = _verdicts_of_parts(family, parts, decided)
     if beside is not None and (other := weigh_family(beside)) is not None:
         name = beside.quantity.heading
-        findings_beside = weigh(beside.comparisons)
+        findings_beside, parts_beside = weigh(beside.comparisons), _weighed_parts(beside)
         verdict_beside = _decide(beside, other, findings_beside, scope)
         others.append((name, verdict_beside))
         others += [
-            (f"{name}, {part}", of) for part, of in _verdicts_of_parts(beside, verdict_beside)
+            (f"{name}, {part}", of)
+            for part, of in _verdicts_of_parts(beside, parts_beside, verdict_beside)
         ]
         lines = (
-            _family_lines(beside, other, sides),
+            _family_lines(other, parts_beside, sides),
             *_cell_lines(findings_beside, so, otherwise, sides),
         )
         grounds.append("\n  - ".join((f"{name}: {verdict_beside}", *lines)))
@@ -173,14 +174,19 @@ def judge(
     )
 
 
-def _family_lines(family: Family, whole: FamilyFinding, sides: Sides) -> str:
+def _weighed_parts(family: Family) -> dict[str, FamilyFinding | None]:
+    """Return the tests of the parts of a family, by name; None for one without runs."""
+    return {name: weigh_family(part) for name, part in family.parts.items()}
+
+
+def _family_lines(
+    whole: FamilyFinding, parts: Mapping[str, FamilyFinding | None], sides: Sides
+) -> str:
     """Return the sentence on a family, and below it those on its parts."""
-    parts = [
-        f"{name}: {family_line(found, sides)}"
-        for name, part in family.parts.items()
-        if (found := weigh_family(part)) is not None
+    lines = [
+        f"{name}: {family_line(found, sides)}" for name, found in parts.items() if found is not None
     ]
-    return "\n  - ".join((family_line(whole, sides), *parts))
+    return "\n  - ".join((family_line(whole, sides), *lines))
 
 
 def _cell_lines(findings: Sequence[Finding], so: str, otherwise: str, sides: Sides) -> list[str]:
@@ -191,14 +197,14 @@ def _cell_lines(findings: Sequence[Finding], so: str, otherwise: str, sides: Sid
     return [count_line(findings, so, otherwise), *([] if spread is None else [spread])]
 
 
-def _verdicts_of_parts(family: Family, decided: Verdict) -> list[tuple[str, Verdict]]:
+def _verdicts_of_parts(
+    family: Family, parts: Mapping[str, FamilyFinding | None], decided: Verdict
+) -> list[tuple[str, Verdict]]:
     """Return the verdicts by the parts of a family that differ from that by all of it."""
-    found = []
-    for name, part in family.parts.items():
-        by_part = _decide(part, weigh_family(part), (), "mostly")
-        if by_part != decided:
-            found.append((name, by_part))
-    return found
+    verdicts = [
+        (name, _decide(family.parts[name], found, (), "mostly")) for name, found in parts.items()
+    ]
+    return [(name, by_part) for name, by_part in verdicts if by_part != decided]
 
 
 def _decide(

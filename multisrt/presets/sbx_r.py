@@ -49,7 +49,7 @@ from multisrt.presets.sbx_r_tables import (
     PaperTable,
     radio_label,
 )
-from multisrt.presets.words import number
+from multisrt.presets.words import Sides, number
 from multisrt.reporting.claims import Claim, PrintedTable
 from multisrt.spec import RangeFinderSpec, StopRule
 from multisrt.statistics.rank_tests import Mark
@@ -229,16 +229,17 @@ def _judged(results: Results) -> list[Judged]:
             scope="always",
             so="self-bidding is better" if claim.better else "self-bidding is worse",
             otherwise="it is worse" if claim.better else "it is better",
-            sides=(SBX_R, _rival(claim)) if claim.better else (_rival(claim), SBX_R),
+            sides=_sides(claim),
             beside=_beside(cells, claim),
         )
         for claim in CLAIMS
     ]
 
 
-def _rival(claim: CellClaim) -> str:
-    """Return the name of the strategies that self-bidding is compared with."""
-    return " or ".join(other for other in OTHERS if other in {cell[0] for cell in claim.cells})
+def _sides(claim: CellClaim) -> Sides:
+    """Return the names of the sets of runs, first of the one that is claimed to be lower."""
+    rival = " or ".join(claim.rivals)
+    return (SBX_R, rival) if claim.better else (rival, SBX_R)
 
 
 def _family(cells: Cells, claim: CellClaim, measure: Measure) -> Family:

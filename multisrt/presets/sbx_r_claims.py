@@ -48,6 +48,12 @@ class CellClaim:
     cells: tuple[Cell, ...]
     better: bool = True
 
+    @property
+    def rivals(self) -> tuple[str, ...]:
+        """The strategies that SBX-R is compared with, in the order of `OTHERS`."""
+        compared = {cell[0] for cell in self.cells}
+        return tuple(other for other in OTHERS if other in compared)
+
 
 def _cell_claims() -> list[CellClaim]:
     isolation, longest, beyond, time, distance = PAPER

@@ -7,8 +7,9 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from multisrt.experiments.crossing import Condition
 from multisrt.presets.cells import Cells
-from multisrt.presets.sbx_r_claims import CLAIMS, Cell, CellClaim, conditions_by_cell
+from multisrt.presets.sbx_r_claims import CLAIMS, Cell, conditions_by_cell
 from multisrt.presets.sbx_r_tables import OTHERS, PAPER, RADIO_RANGES_M, SBX_R, TEAMS, PaperTable
 from multisrt.reporting.claims import PrintedTable
 from multisrt.statistics.summaries import median
@@ -24,7 +25,7 @@ def effects_table(cells: Cells) -> PrintedTable:
             _spread(_change(*of(cells, claim.table, cell)) for cell in made)
             for of in (_printed, _ours)
         )
-        rows.append((claim.text, _rivals(claim), str(len(made)), paper, here))
+        rows.append((claim.text, ", ".join(claim.rivals), str(len(made)), paper, here))
     return PrintedTable(
         title="Self-bidding relative to its rivals (%)",
         source="SBX-R, Tables I to V",
@@ -33,10 +34,6 @@ def effects_table(cells: Cells) -> PrintedTable:
         note="Median of self-bidding over that of the rival, less 1: that of the median cell, and "
         f"in brackets those of all cells. {_scale(cells)}",
     )
-
-
-def _rivals(claim: CellClaim) -> str:
-    return ", ".join(other for other in OTHERS if other in {cell[0] for cell in claim.cells})
 
 
 def _printed(cells: Cells, table: PaperTable, cell: Cell) -> tuple[float, float]:
@@ -50,11 +47,14 @@ def _ours(cells: Cells, table: PaperTable, cell: Cell) -> tuple[float, float]:
     """Return our medians of self-bidding and of the rival; nan without runs."""
     places = conditions_by_cell(cells)
     _, radio_m, robots = cell
-    found = []
-    for key in ((SBX_R, radio_m, robots), cell):
-        values = [*cells.values(places[key], table.measure).values()]
-        found.append(float(median(np.array(values))) if values else math.nan)
-    return found[0], found[1]
+    own, rival = (_median(cells, places[key], table) for key in ((SBX_R, radio_m, robots), cell))
+    return own, rival
+
+
+def _median(cells: Cells, at: Condition, table: PaperTable) -> float:
+    """Return the median of a condition by the measure of a table; nan without runs."""
+    values = [*cells.values(at, table.measure).values()]
+    return float(median(np.array(values))) if values else math.nan
 
 
 def _change(own: float, rival: float) -> float:
@@ -78,7 +78,7 @@ def _scale(cells: Cells) -> str:
             ours / float(table.median(*key))
             for key in ((s, r, n) for s in (*OTHERS, SBX_R) for r in RADIO_RANGES_M for n in TEAMS)
             if key in places
-            for ours in (_ours(cells, table, key)[1],)
+            for ours in (_median(cells, places[key], table),)
             if math.isfinite(ours)
         ]
         if ratios:

@@ -25,6 +25,7 @@ HEADS = {
     "does not hold": "Does not hold",
     "inconclusive": "Inconclusive",
     "not tested": "Not tested",
+    "holds": "Holds",
 }
 
 MAX_NAMED = 3
@@ -107,18 +108,16 @@ def claims_of(page: str) -> list[Judged]:
 
 
 def _paper(link: str, claims: list[Judged], *, is_earlier: bool) -> list[str]:
-    holding = [claim.told for claim in claims if claim.verdict == "holds"]
-    verb = "holds" if len(holding) == 1 else "hold"
-    count = f"{len(holding)} of {len(claims)} claims {verb}" + (":" if holding else ".")
+    holding = sum(claim.verdict == "holds" for claim in claims)
+    verb = "holds" if holding == 1 else "hold"
     whose = f"{link}, by an earlier version of the experiment" if is_earlier else link
-    lines = [" ".join((f"- **{whose}: {count}**", *holding))]
-    others = []
+    lines = [f"- **{whose}: {holding} of {len(claims)} claims {verb}.**"]
     for verdict, head in HEADS.items():
         texts = [claim.told for claim in claims if claim.verdict == verdict]
-        is_short = verdict == "does not hold" or len(texts) <= MAX_NAMED
+        is_short = verdict in ("holds", "does not hold") or len(texts) <= MAX_NAMED
         if texts:
-            others.append(f"*{head}:* {' '.join(texts) if is_short else f'{len(texts)} claims.'}")
-    return [*lines, f"  - {' '.join(others)}"] if others else lines
+            lines.append(f"  - *{head}:* {' '.join(texts) if is_short else f'{len(texts)} claims.'}")
+    return lines
 
 
 if __name__ == "__main__":

@@ -36,6 +36,12 @@ CELL_M: Final = 0.07
 MAX_CELLS: Final = 250_000
 """Number of cells in the window of a world from which on cells are larger."""
 
+WORLDS_KEPT: Final = 4
+"""Number of worlds whose shortest paths are kept: those of a large one take about 100 MB."""
+
+TEAMS_KEPT: Final = 16
+"""Number of teams whose distances are kept: those of one team take up to 6 MB."""
+
 Places = Polygon | MultiPolygon
 """Positions of reference points, in metres."""
 
@@ -68,7 +74,7 @@ def reach_s(
     return float(times[k]) if k < len(times) else 0.0
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=TEAMS_KEPT)
 def _areas_beyond(
     environment: Environment, reachable: Places, team: tuple[Member, ...]
 ) -> tuple[FloatArray, FloatArray]:
@@ -88,19 +94,19 @@ def _areas_beyond(
     return times[latest], np.cumsum(areas_m2[latest])
 
 
-@lru_cache(maxsize=16)
+@lru_cache(maxsize=WORLDS_KEPT)
 def _lattice(environment: Environment) -> Lattice:
     return Lattice.over(environment.free, cell_width(environment.free, CELL_M, MAX_CELLS))
 
 
-@lru_cache(maxsize=16)
+@lru_cache(maxsize=WORLDS_KEPT)
 def _shortest_paths(environment: Environment, spread_m: float) -> ShortestPaths:
     lattice = _lattice(environment)
     space = environment.free.buffer(spread_m, join_style="mitre", mitre_limit=2.0)
     return ShortestPaths(lattice, lattice.touched(space if spread_m else environment.free))
 
 
-@lru_cache(maxsize=16)
+@lru_cache(maxsize=WORLDS_KEPT)
 def _places_by_cell(
     environment: Environment, reachable: Places
 ) -> tuple[IntArray, IntArray, FloatArray]:
@@ -112,7 +118,7 @@ def _places_by_cell(
     return rows, columns, areas[rows, columns]
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=TEAMS_KEPT)
 def _distances(
     environment: Environment,
     reachable: Places,

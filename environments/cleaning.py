@@ -32,6 +32,9 @@ ARC_SEGMENTS: Final = 16
 ROUNDING_M: Final = 1e-6
 """Gaps are closed if they are narrower than the stated width by more than this, in metres."""
 
+ZERO_M: Final = 1e-100
+"""Coordinates below this are 0, in metres."""
+
 FIXING: Final = "'multisrt environments check FILE --fix OUT' writes a repaired copy"
 """Remedy that errors about rings suggest."""
 
@@ -235,13 +238,23 @@ def repaired(polygon: Polygon) -> tuple[BaseGeometry, Cleaning]:
 
     Notes
     -----
-    Source: GEOS, MakeValid with the method "structure".
+    Source: GEOS, MakeValid with the method "structure". Coordinates of less than `ZERO_M` become 0
+    first: quotients of the smallest numbers overflow.
     """
+    polygon = _without_denormals(polygon)
     if polygon.is_valid:
         return polygon, Cleaning()
     valid = areas(shapely.make_valid(polygon, method="structure", keep_collapsed=False))
     changed = float(valid.symmetric_difference(_even_odd(polygon)).area)
     return valid, Cleaning(repaired_polygons=1, repaired_m2=changed)
+
+
+def _without_denormals(polygon: Polygon) -> Polygon:
+    points = shapely.get_coordinates(polygon)
+    tiny = (np.abs(points) < ZERO_M) & (points != 0.0)
+    if not tiny.any():
+        return polygon
+    return shapely.set_coordinates(shapely.force_2d(polygon), np.where(tiny, 0.0, points))
 
 
 def _even_odd(polygon: Polygon) -> BaseGeometry:

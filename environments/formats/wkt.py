@@ -26,6 +26,10 @@ MAX_DEPTH = 16
 """Upper bound of nested parentheses, since the parser recurses without bound."""
 
 
+MAX_REASON = 120
+"""Upper bound of the length of the parser's reason in a message, in characters."""
+
+
 def read_wkt(
     path: Path,
     *,
@@ -87,6 +91,8 @@ def _parsed(path: Path, *, repair: bool) -> tuple[BaseGeometry, Cleaning]:
         reason = (
             str(error).removeprefix("ParseException: ").removeprefix("IllegalArgumentException: ")
         )
+        if len(reason) > MAX_REASON:
+            reason = f"{reason[:MAX_REASON]}..."  # it may cite the whole text
         raise MapFormatError(
             f"{path} is not well-known text: {reason}; it must be POLYGON ((x y, x y, ...), ...), "
             f"MULTIPOLYGON or GEOMETRYCOLLECTION, with every ring closed; for open rings, {FIXING}"

@@ -55,12 +55,13 @@ TEAMS: Final = {"maze": "maze1.png", "rooms": "rooms.png"}
 BODY_M: Final = 0.25
 """Radius of the default body, in metres."""
 
-BODY_SHARE: Final = 0.8
-"""Radius of a body as a share of that of a disc that fits: robots keep a margin to walls."""
+SPARE_M: Final = 0.07
+"""Room on either side of a body in a passage, in metres: half a cell of the raster, and the margin
+that robots keep."""
 
 MIN_REACHED: Final = 0.5
 """Share of the main part that must be reached, with room to spare, by the default body. In other
-maps the body is a share of the largest disc that reaches 95 % of it."""
+maps the body is somewhat smaller than the largest disc that reaches 95 % of it."""
 
 PICTURE, GAP, LABEL, COLUMNS = 180, 16, 14, 7
 """Side of a picture on the sheet, gap, height of a label, and number of pictures in a row."""
@@ -92,7 +93,8 @@ class Subject:
         """The default body, or a smaller disc if that would reach too little."""
         radius = BODY_M
         if self.check.reached_share < MIN_REACHED:
-            radius = BODY_SHARE * self.check.largest.radius_m
+            largest = self.check.largest.radius_m
+            radius = max(largest - SPARE_M, 0.5 * largest)
         return f"disc:{radius:.2g}"
 
     @property
@@ -170,7 +172,7 @@ def read(path: Path, label: str) -> Subject:
         starts_from=None if team is None else str(team),
     )
     name = known.name if team is None else f"{known.name} and team"
-    check = check_map(world, ms.Footprint.disc(BODY_M / BODY_SHARE))
+    check = check_map(world, ms.Footprint.disc(BODY_M + SPARE_M))
     return Subject(label, name, choice, world, check)
 
 
@@ -210,11 +212,11 @@ def page(
         f"{len(subjects)} files are maps; {complete} of {len(results)} runs ended complete; "
         f"{hours:.1f} core-hours. Files without a scale were given one: that stated by their "
         f"project, else 0.05 m a pixel and 0.5 m a cell. The body is a disc with "
-        f"a radius of {BODY_M:g} m if one of {BODY_M / BODY_SHARE:.2g} m reaches half of the part "
-        f"that is explored, else {BODY_SHARE:g} times the largest that reaches 95 % of it. The "
-        "robots start where the "
-        "file suggests, or close together. Coverage is the share of the area that the bodies could "
-        "see from there; time is that until both have returned.",
+        f"a radius of {BODY_M:g} m if one of {BODY_M + SPARE_M:g} m reaches half of the part "
+        f"that is explored, else one that is {SPARE_M:g} m smaller than the largest that reaches "
+        "95 % of it, or half as large. The robots start where the file suggests, or close "
+        "together. Coverage is the share of the area that the bodies could see from there; "
+        "time is that until both have returned.",
         "",
         markdown_table(COLUMN_NAMES, [row(subject, made[subject.label]) for subject in subjects]),
         "",

@@ -109,8 +109,17 @@ def grown(layers: Layers, bounds: tuple[float, float, float, float]) -> Layers:
         states=moved(layers.states, held, window),
         passable=moved(layers.passable, held, window),
         marks=moved(layers.marks, held, window),
-        labels=moved(layers.labels, held, window),
+        labels=_moved_labels(layers, window),
     )
+
+
+def _moved_labels(layers: Layers, window: Window) -> Int32Array:
+    # Labels are few and the array is large: memory that is never written to is never taken.
+    rows, columns = np.nonzero(layers.marks & LABELLED)
+    larger = np.zeros((window.rows, window.columns), np.int32)
+    below, left = layers.row - window.row, layers.column - window.column
+    larger[rows + below, columns + left] = layers.labels[rows, columns]
+    return larger
 
 
 @kernel

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import msgspec
 
 from multisrt.experiments.crossing import Condition
-from multisrt.experiments.spec import Block, EnvironmentChoice, StartsChoice
+from multisrt.experiments.spec import Block, EnvironmentChoice, Scalar, StartsChoice
 from multisrt.presets.ablations import Ablation, Ablations, Topic, with_options
 from multisrt.presets.cells import Cells
 from multisrt.presets.minpos_claims import (
@@ -62,22 +62,31 @@ IN_HOSPITAL = _topic(HOSPITAL, ROBOTS, UP_TO[HOSPITAL], MORE_IN_MAZES)
 LARGEST_TEAM = _topic(MAZE, TEAMS[-1], MORE_WITH_MORE_ROBOTS)
 
 OTHER_STEPS = 1 if SCAN_STEPS > 1 else 4
-SCANS = f"a scan at {every(OTHER_STEPS)}"
-TARGETS = "goals kept until they are reached, as by Yamauchi"
+SCANS = f"a scan and a choice at {every(OTHER_STEPS)}"
+TARGETS = "goals kept until nothing is left to be seen there"
+ARRIVAL = "goals kept until they are reached, as by Yamauchi"
+SCANS_ARRIVAL = f"a scan at {every(OTHER_STEPS)}, goals kept until they are reached"
 WIDE = "bodies of 1 m, of which two cannot pass in a corridor"
 APART = "starts far apart"
 
+
+def _choosing(label: str, options: Mapping[str, Scalar]) -> Block:
+    return Block(strategies=tuple(with_options(one, label, options) for one in STRATEGIES))
+
+
 CHANGED = {
-    SCANS: Block(
-        strategies=tuple(with_options(one, "scans", scans(OTHER_STEPS)) for one in STRATEGIES)
-    ),
-    TARGETS: Block(
-        strategies=tuple(with_options(one, "targets", {"replan": "target"}) for one in STRATEGIES)
-    ),
+    SCANS: _choosing("scans", scans(OTHER_STEPS)),
+    TARGETS: _choosing("targets", {"replan": "target"}),
+    ARRIVAL: _choosing("arrival", {"replan": "arrival"}),
+    SCANS_ARRIVAL: _choosing("scans until arrival", {**scans(OTHER_STEPS), "replan": "arrival"}),
     WIDE: Block(bodies=("disc:0.5",)),
     APART: Block(starts=(StartsChoice(how="scattered", first="drawn"),)),
 }
 """What each change has in the place of the experiment's."""
+
+
+WITH_FOUR = (SCANS, TARGETS, ARRIVAL, SCANS_ARRIVAL, APART)
+"""The changes that are tried with four robots, in both worlds."""
 
 
 def _ablation(topic: Topic, world: EnvironmentChoice, robots: int, change: str) -> Ablation:
@@ -95,7 +104,7 @@ def _ablation(topic: Topic, world: EnvironmentChoice, robots: int, change: str) 
         change=change,
         base=base,
         changed=msgspec.structs.replace(base, **changed),
-        is_quick=topic == IN_MAZES and change != SCANS,
+        is_quick=topic == IN_MAZES and change in (TARGETS, APART),
     )
 
 
@@ -117,22 +126,26 @@ def _gains(cells: Cells, topic: Topic, changes: Sequence[Ablation]) -> PrintedTa
     return PrintedTable(
         title=topic.title.replace("the times depend", "gains depend"),
         source="",
-        columns=("change", GREEDY, MINPOS, "pairs"),
+        columns=("change", GREEDY, MINPOS, f"{MINPOS} on {GREEDY}", "pairs"),
         rows=(_row("as in the experiment", cells, base), *rows),
-        note=f"Gains on closest (percent) with 95 % intervals. {TIME.title}.",
+        note=(
+            "Gains on closest, and of minpos on greedy, in percent, with 95 % intervals. "
+            f"{TIME.title}."
+        ),
     )
 
 
 def _row(what: str, cells: Cells, at: Mapping[str, Condition]) -> tuple[str, ...]:
-    ratios = [ratios_of(cells, TIME, at[rule], at[CLOSEST]) for rule in (GREEDY, MINPOS)]
+    compared = ((GREEDY, CLOSEST), (MINPOS, CLOSEST), (MINPOS, GREEDY))
+    ratios = [ratios_of(cells, TIME, at[rule], at[other]) for rule, other in compared]
     pairs = "/".join(str(len(complete(of))) for of in ratios)
     return (what, *(gain_text(gain([of])) for of in ratios), pairs)
 
 
 ABLATIONS = Ablations(
     changes=(
-        *(_ablation(IN_MAZES, MAZES, ROBOTS, change) for change in (SCANS, TARGETS, APART)),
-        *(_ablation(IN_HOSPITAL, HOSPITALS, ROBOTS, change) for change in (SCANS, APART)),
+        *(_ablation(IN_MAZES, MAZES, ROBOTS, change) for change in WITH_FOUR),
+        *(_ablation(IN_HOSPITAL, HOSPITALS, ROBOTS, change) for change in WITH_FOUR),
         *(_ablation(LARGEST_TEAM, MAZES, TEAMS[-1], change) for change in (WIDE, APART)),
     ),
     repetitions=20,

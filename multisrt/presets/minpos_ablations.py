@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import msgspec
 
 from multisrt.experiments.crossing import Condition
-from multisrt.experiments.spec import Block, EnvironmentChoice, Scalar, StartsChoice
+from multisrt.experiments.spec import Block, EnvironmentChoice, StartsChoice
 from multisrt.presets.ablations import Ablation, Ablations, Topic, with_options
 from multisrt.presets.cells import Cells
 from multisrt.presets.minpos_claims import (
@@ -36,6 +36,7 @@ from multisrt.presets.minpos_experiment import (
 )
 from multisrt.presets.minpos_gains import TIME, TO_99, complete, gain, gain_text, ratios_of
 from multisrt.reporting.claims import PrintedTable
+from multisrt.spec import Scalar
 
 ROBOTS = 4
 

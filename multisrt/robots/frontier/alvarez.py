@@ -314,7 +314,7 @@ def chosen(
         because=because,
         goal=goal,
         cost_m=cost_m,
-        frontiers=tuple(map(tuple, robot.targets().tolist())),
+        frontiers=robot.frontiers.recorded(robot.targets()),
         robots=tuple(sorted([robot.me.robot, *mates])),
         scores=scores,
     )

@@ -115,7 +115,7 @@ def note_goal(
             because=because,
             goal=None if goal is None else goal.place,
             cost_m=0.0 if goal is None else goal.cost_m,
-            frontiers=tuple(map(tuple, table.targets.tolist())),
+            frontiers=robot.frontiers.recorded(table.targets),
             robots=table.robots,
             costs=finite_or_none(table.costs),
             **details,

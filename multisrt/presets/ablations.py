@@ -29,7 +29,8 @@ from multisrt.statistics.summaries import median
 NOTE = (
     "Medians without and with the change, over all runs, successful or not; in brackets the "
     "estimated difference and the p-value of Wilcoxon's test on pairs of repetitions, for each "
-    "figure by itself."
+    "figure by itself. The difference is estimated by pairs, so its sign may be another than that "
+    "of the medians."
 )
 """How to read a table of ablations."""
 

@@ -12,15 +12,16 @@ MEAN_GAINS = {GREEDY: 8.0, MINPOS: 12.0}
 LARGEST_GAINS = {HOSPITAL: 15.0, MAZE: 20.0}
 """Maximum gains of greedy and minpos on closest, in percent."""
 
-FASTER = {rule: f"{rule} is faster than closest." for rule in MEAN_GAINS}
+FASTER = {rule: f"The rule {rule} is faster than closest." for rule in MEAN_GAINS}
 
 ON_AVERAGE = {
-    rule: f"On average {rule} shortens the exploration by {percent:g} %, against closest."
+    rule: f"On average {rule} shortens the exploration by at least {percent:g} %, compared with "
+    "closest."
     for rule, percent in MEAN_GAINS.items()
 }
 
 UP_TO = {
-    world: f"In the {world} the exploration gets up to {percent:g} % shorter, against closest."
+    world: f"In the {world} the largest gain on closest is at least {percent:g} %."
     for world, percent in LARGEST_GAINS.items()
 }
 

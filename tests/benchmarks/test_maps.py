@@ -37,8 +37,8 @@ def test_files_are_read_or_refused(folder):
     assert refused["open.wkt"].startswith("open.wkt")
     assert by_label["scan.png"].world.area_m2 == pytest.approx(78 * 58 * 0.05**2)
     assert by_label["room.wkt"].body == "disc:0.25"
-    # The default body does not fit: half of 0.4 m, less 0.07 m.
-    assert by_label["plans/narrow.wkt"].body == "disc:0.13"
+    # The default body does not fit: half of 0.4 m, less 0.1 m.
+    assert by_label["plans/narrow.wkt"].body == "disc:0.1"
 
 
 def test_a_team_file_is_read_with_its_image(tmp_path):

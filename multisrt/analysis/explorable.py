@@ -51,6 +51,9 @@ ROUNDING_M = 1e-6
 """Bodies are smaller by this, and by up to as much again where they pass a corner, in metres: a
 gap that just fits lets them through."""
 
+VIEWPOINTS_AT_ONCE = 1024
+"""Number of viewpoints whose regions are in memory at a time, each with about 100 kB."""
+
 COARSER = (32, 8, 2, 1)
 """Viewpoints are first taken this many times farther apart; finer ones only near what is still
 unseen."""
@@ -213,7 +216,9 @@ def _seen_from(environment: Environment, places: _Places, range_m: float) -> Run
         chosen = np.flatnonzero(~taken[::step]) * step
         chosen = chosen[_near_unseen(plane, unseen, border[chosen], range_m)]
         taken[chosen] = True
-        plane.relabel(runs_of(cut, visibility_polygons(index, border[chosen], range_m)), see)
+        for first in range(0, len(chosen), VIEWPOINTS_AT_ONCE):
+            viewpoints = border[chosen[first : first + VIEWPOINTS_AT_ONCE]]
+            plane.relabel(runs_of(cut, visibility_polygons(index, viewpoints, range_m)), see)
     return plane.runs(seen)
 
 

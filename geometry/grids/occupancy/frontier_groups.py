@@ -85,7 +85,6 @@ class FrontierGroups:
         released = np.concatenate(removed) if removed else np.empty((0, 2), np.int64)
         members, ends = _label(windows, released, layers, self._next_label)
         cells, targets, sizes = _described(members, ends, layers)
-        cells.setflags(write=False)
 
         first_cells = [first for first in self._first_cells if first[2] not in old]
         begin = 0
@@ -98,8 +97,10 @@ class FrontierGroups:
             if target >= 0:
                 row, column = cells[target].tolist()
                 nearest = row, column
+            own = cells[begin:end].copy()  # a view would keep the cells of all groups in memory
+            own.setflags(write=False)
             self._by_label[label] = FrontierGroup(
-                cells=cells[begin:end],
+                cells=own,
                 target=nearest,
                 size_m=size * layers.cell_m,
             )

@@ -33,7 +33,7 @@ from multisrt.environments.formats.regions import (
     union_of,
 )
 from multisrt.extras import extra
-from multisrt.geometry.errors import MapFormatError
+from multisrt.geometry.errors import MapFormatError, reason_of
 
 if TYPE_CHECKING:
     from ezdxf.document import Drawing
@@ -138,7 +138,7 @@ def read_dxf(
     except MapFormatError:
         raise
     except Exception as error:  # a damaged file makes the library raise almost anything
-        why = str(error)[:200] or "it ends too early, or parts of it are missing"
+        why = reason_of(error) if str(error) else "it ends too early, or parts of it are missing"
         raise MapFormatError(
             f"{path} is a damaged DXF file: {why}; copy it again, or open it and save it anew"
         ) from error

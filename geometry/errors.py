@@ -167,7 +167,7 @@ def reason_of(error: BaseException) -> str:
     """
     words = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
     # A line of a long text may be long, and its beginning is enough.
-    words = " ".join(words[: 2 * MAX_REASON].split())
+    words = " ".join(words[: 2 * MAX_REASON].split()).rstrip(".")
     return shortened(words, MAX_REASON) or type(error).__name__
 
 

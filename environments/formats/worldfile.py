@@ -221,8 +221,8 @@ class _Source:
             return
         if path.resolve() in chain:
             raise MapFormatError(
-                f"{token.place}: {shortened(token.text)} includes itself, directly or through other "
-                "files; remove one of the includes"
+                f"{token.place}: {shortened(token.text)} includes itself, directly or through "
+                "other files; remove one of the includes"
             )
         yield from self.tokens(path, read_text(path, max_bytes=MAX_WORLD_BYTES), chain)
 

@@ -165,7 +165,7 @@ def test_missing_key_is_named(room, key):
         ("resolution", ".nan", "resolution is nan; it must be a finite number"),
         ("resolution", ".inf", "resolution is inf"),
         ("resolution", "1e308", "resolution is 1e.308 m per cell; .* at most 1e.07 m"),
-        ("resolution", "!x" + "y" * 2000 + " 1", r"constructor for the tag '!xy{150,200}\.\.\.$"),
+        ("resolution", "!x" + "y" * 2000 + " 1", r"constructor for the tag '!xy{100,200}\.\.\.$"),
         ("resolution", "wide", "resolution is 'wide'"),
         ("resolution", "true", "resolution is True"),
         ("resolution", "[1, 2]", "resolution is a list of 2"),

@@ -51,7 +51,7 @@ def test_values_are_shown_as_in_python(value, text):
 def test_reasons_are_short_lines_without_names_of_files():
     long = OSError(36, "File name too long", "a" * 5000)
     assert reason_of(long) == "File name too long"
-    assert reason_of(ValueError("one\n  two")) == "one two"
+    assert reason_of(ValueError("one\n  two.")) == "one two"
     assert reason_of(KeyError()) == "KeyError"
     assert len(reason_of(ValueError("x" * 10**6))) == MAX_REASON
 

@@ -134,7 +134,9 @@ def read_dxf(
     try:
         drawing = _loaded(path, ezdxf)
         scale = _metres_per_unit(path, drawing, resolution_m)
-        parts, starts = Drawer(path, drawing, scale).drawn()
+        # Points that are not finite are refused.
+        with np.errstate(all="ignore"):
+            parts, starts = Drawer(path, drawing, scale).drawn()
     except MapFormatError:
         raise
     except Exception as error:  # a damaged file makes the library raise almost anything

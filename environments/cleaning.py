@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
-from typing import Final
+from typing import Final, TypeVar
 
 import numpy as np
 import shapely
@@ -17,8 +17,11 @@ from shapely import GeometryType, MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.numerics.arrays import FloatArray
 
 GeometryArray = NDArray[np.object_]
+
+Geometry = TypeVar("Geometry", bound=BaseGeometry)
 
 COLLINEAR_M: Final = 1e-6
 """Vertices at most this far from the line between their neighbours are superfluous, in metres."""
@@ -33,7 +36,7 @@ ROUNDING_M: Final = 1e-6
 """Gaps are closed if they are narrower than the stated width by more than this, in metres."""
 
 ZERO_M: Final = 1e-100
-"""Coordinates below this are 0, in metres."""
+"""Coordinates whose absolute value is below this are 0, in metres."""
 
 FIXING: Final = "'multisrt environments check FILE --fix OUT' writes a repaired copy"
 """Remedy that errors about rings suggest."""
@@ -212,6 +215,56 @@ def closed_ring(
     return [*positions, positions[0]], Cleaning(closed_rings=1)
 
 
+def flushed(points: FloatArray) -> FloatArray:
+    """Return coordinates of which those nearer to 0 than `ZERO_M` are 0.
+
+    Quotients of the smallest numbers overflow in overlays.
+
+    Parameters
+    ----------
+    points : float array
+        Coordinates in metres.
+
+    Returns
+    -------
+    float array
+        The array itself if there are none.
+
+    Examples
+    --------
+    >>> flushed(np.array([5e-324, -1e-200, 1e-9, 3.0])).tolist()
+    [0.0, 0.0, 1e-09, 3.0]
+    """
+    tiny = (np.abs(points) < ZERO_M) & (points != 0.0)
+    return np.where(tiny, 0.0, points) if tiny.any() else points
+
+
+def without_denormals(geometry: Geometry) -> Geometry:
+    """Return a geometry of which coordinates nearer to 0 than `ZERO_M` are 0; see `flushed`.
+
+    Parameters
+    ----------
+    geometry : Geometry
+        A geometry in metres.
+
+    Returns
+    -------
+    Geometry
+        The geometry itself if there are none.
+
+    Examples
+    --------
+    >>> without_denormals(shapely.box(5e-324, 0, 2, 1)).bounds
+    (0.0, 0.0, 2.0, 1.0)
+    """
+    points = shapely.get_coordinates(geometry)
+    clear = flushed(points)
+    if clear is points:
+        return geometry
+    moved: Geometry = shapely.set_coordinates(shapely.force_2d(geometry), clear)
+    return moved
+
+
 def repaired(polygon: Polygon) -> tuple[BaseGeometry, Cleaning]:
     """Return a valid polygon, with the loops of its rings united and holes cut out.
 
@@ -238,23 +291,14 @@ def repaired(polygon: Polygon) -> tuple[BaseGeometry, Cleaning]:
 
     Notes
     -----
-    Source: GEOS, MakeValid with the method "structure". Coordinates of less than `ZERO_M` become 0
-    first: quotients of the smallest numbers overflow.
+    Source: GEOS, MakeValid with the method "structure".
     """
-    polygon = _without_denormals(polygon)
+    polygon = without_denormals(polygon)
     if polygon.is_valid:
         return polygon, Cleaning()
     valid = areas(shapely.make_valid(polygon, method="structure", keep_collapsed=False))
     changed = float(valid.symmetric_difference(_even_odd(polygon)).area)
     return valid, Cleaning(repaired_polygons=1, repaired_m2=changed)
-
-
-def _without_denormals(polygon: Polygon) -> Polygon:
-    points = shapely.get_coordinates(polygon)
-    tiny = (np.abs(points) < ZERO_M) & (points != 0.0)
-    if not tiny.any():
-        return polygon
-    return shapely.set_coordinates(shapely.force_2d(polygon), np.where(tiny, 0.0, points))
 
 
 def _even_odd(polygon: Polygon) -> BaseGeometry:

@@ -13,9 +13,14 @@ from shapely import MultiPolygon, Point, Polygon
 from shapely.geometry.base import BaseGeometry
 
 from multisrt.environments.area_text import area_text
-from multisrt.environments.cleaning import Cleaning, polygons_of, without_slivers
+from multisrt.environments.cleaning import (
+    Cleaning,
+    polygons_of,
+    without_denormals,
+    without_slivers,
+)
 from multisrt.environments.layers import Layers
-from multisrt.geometry.errors import ClearanceError, InvalidInputError
+from multisrt.geometry.errors import ClearanceError, InvalidInputError, shown
 from multisrt.geometry.numerics.arrays import FloatArray
 
 if TYPE_CHECKING:
@@ -26,6 +31,12 @@ SLIVER_WIDTH_M = 1e-3
 
 MAX_COORDINATE_M = 1e7
 """Upper bound of the absolute value of coordinates, in metres."""
+
+MIN_LENGTH_M = 1e-6
+"""Lower bound of the sides of cells, the sizes of models and the units of drawings, in metres.
+
+Doubles of up to `MAX_COORDINATE_M` are at most 2e-9 apart, so that such a cell keeps its shape.
+"""
 
 
 class Environment:
@@ -75,11 +86,12 @@ class Environment:
         cleaning: Cleaning | None = None,
         layers: Layers | None = None,
     ) -> None:
+        free = without_denormals(free)
         _require_valid(free, name)
         parts, dropped = without_slivers(polygons_of(free), SLIVER_WIDTH_M)
         if parts.is_empty:
             raise InvalidInputError(
-                f"environment {name!r}: free space is empty; "
+                f"environment {shown(name)}: free space is empty; "
                 "a world needs at least one area wider than 1 mm"
             )
         free_space = shapely.orient_polygons(shapely.normalize(parts))
@@ -93,7 +105,8 @@ class Environment:
         for x, y in self._starts:
             if not shapely.contains_xy(self._free, x, y):
                 raise InvalidInputError(
-                    f"environment {name!r}: suggested start ({x:g}, {y:g}) is not in free space"
+                    f"environment {shown(name)}: suggested start ({x:g}, {y:g}) is not in free "
+                    "space"
                 )
 
     @classmethod
@@ -316,7 +329,7 @@ class Environment:
                 return part
         away = float(self._free.distance(Point(x, y)))
         raise ClearanceError(
-            f"({x:g}, {y:g}) is not in the free space of {self._name!r}: it is "
+            f"({x:g}, {y:g}) is not in the free space of {shown(self._name)}: it is "
             + (
                 f"in an obstacle or outside the outline, {away:.3g} m from free space"
                 if away
@@ -344,7 +357,8 @@ class Environment:
 def _require_valid(geometry: BaseGeometry, name: str) -> None:
     if geometry.geom_type not in ("Polygon", "MultiPolygon", "GeometryCollection"):
         raise InvalidInputError(
-            f"environment {name!r}: free space and obstacles are polygons, not {geometry.geom_type}"
+            f"environment {shown(name)}: free space and obstacles are polygons, not "
+            f"{geometry.geom_type}"
         )
     coordinates, index = shapely.get_coordinates(geometry, return_index=False), 0
     bad = np.flatnonzero(
@@ -354,12 +368,12 @@ def _require_valid(geometry: BaseGeometry, name: str) -> None:
         index = int(bad[0])
         x, y = coordinates[index]
         raise InvalidInputError(
-            f"environment {name!r}: vertex {index} is ({x:g}, {y:g}); coordinates are finite "
+            f"environment {shown(name)}: vertex {index} is ({x:g}, {y:g}); coordinates are finite "
             f"numbers of metres, at most {MAX_COORDINATE_M:g}"
         )
     if not geometry.is_valid:
         raise InvalidInputError(
-            f"environment {name!r}: a polygon is not valid: "
+            f"environment {shown(name)}: a polygon is not valid: "
             f"{shapely.is_valid_reason(geometry)}; draw outlines that do not cross themselves"
         )
 

@@ -4,6 +4,13 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable
+from typing import Final
+
+MAX_CITED: Final = 60
+"""Upper bound of the length of a value or a name from a file in a message, in characters."""
+
+MAX_REASON: Final = 200
+"""Upper bound of the length of a parser's or the system's reason in a message, in characters."""
 
 
 class MultiSrtError(Exception):
@@ -54,7 +61,7 @@ class MapFormatError(InvalidInputError):
     """
 
     def __init__(self, message: str) -> None:
-        super().__init__(message if message.isprintable() else escaped(message))
+        super().__init__(escaped(message))
 
 
 class ClearanceError(InvalidInputError):
@@ -95,9 +102,73 @@ def escaped(text: str) -> str:
     >>> print(escaped("a door\tof 9 \u20ac\n"))
     a door\tof 9 €\n
     """
+    if text.isprintable():
+        return text
     return "".join(
         sign if sign.isprintable() else sign.encode("unicode_escape").decode() for sign in text
     )
+
+
+def shortened(text: str, length: int = MAX_CITED) -> str:
+    """Return a text from a file for a message: cut if it is long, its characters printable.
+
+    Parameters
+    ----------
+    text : str
+        The text; it may be of any length.
+    length : int
+        Upper bound of the length of the result, in characters.
+
+    Examples
+    --------
+    >>> shortened("hall"), shortened("ha" * 1000, 10)
+    ('hall', 'hahahah...')
+    """
+    text = escaped(text[: length + 1])
+    return text if len(text) <= length else f"{text[: length - 3]}..."
+
+
+def shown(value: object) -> str:
+    """Return a value from a file as short text for a message; text is in quotes.
+
+    Examples
+    --------
+    >>> shown("hall"), shown([1, 2]), len(shown("ha" * 1000))
+    ("'hall'", 'a list of 2', 60)
+    """
+    if isinstance(value, list | tuple | dict | set):
+        return f"a {type(value).__name__} of {len(value)}"
+    if isinstance(value, int) and value.bit_length() > 10_000:
+        return f"a whole number of {value.bit_length():,} bits"  # Python limits the digits
+    return shortened(repr(value[: MAX_CITED + 1] if isinstance(value, str) else value))
+
+
+def reason_of(error: BaseException) -> str:
+    r"""Return the words of an error that a parser or the system raised, short and on one line.
+
+    Parameters
+    ----------
+    error : BaseException
+        The error; it may cite a whole file.
+
+    Returns
+    -------
+    str
+        At most `MAX_REASON` characters. Of errors of the system, without the name of the file; the
+        type of an error that has no words.
+
+    Examples
+    --------
+    >>> reason_of(ValueError("found a tab
+    in line 3")), reason_of(ValueError())
+    ('found a tab in line 3', 'ValueError')
+    >>> reason_of(FileNotFoundError(2, "No such file or directory", "hall.png"))
+    'No such file or directory'
+    """
+    words = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+    # A line of a long text may be long, and its beginning is enough.
+    words = " ".join(words[: 2 * MAX_REASON].split()).rstrip(".")
+    return shortened(words, MAX_REASON) or type(error).__name__
 
 
 def did_you_mean(word: object, known: Iterable[object]) -> str:

@@ -16,6 +16,7 @@ import numpy as np
 import shapely
 from shapely import MultiPolygon
 
+from multisrt.environments.environment import MAX_COORDINATE_M, MIN_LENGTH_M
 from multisrt.environments.formats.straighten import straighten_rings
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.numerics.kernel import BoolArray, FloatArray, IntArray, kernel
@@ -104,10 +105,11 @@ def polygons_from_grid(
 def _cell_sides(resolution_m: Resolution) -> FloatArray:
     """Return the width and the height of a cell in metres."""
     sides = np.asarray(resolution_m, np.float64)
-    if sides.shape not in ((), (2,)) or not (np.isfinite(sides) & (sides > 0)).all():
+    in_range = (sides >= MIN_LENGTH_M) & (sides <= MAX_COORDINATE_M)
+    if sides.shape not in ((), (2,)) or not in_range.all():
         raise InvalidInputError(
-            f"resolution_m is {resolution_m}; it must be a positive number of metres per cell, or "
-            "two, along x and along y"
+            f"resolution_m is {resolution_m}; it must be a number of metres per cell from "
+            f"{MIN_LENGTH_M:g} to {MAX_COORDINATE_M:g}, or two, along x and along y"
         )
     return np.broadcast_to(sides, 2)
 

@@ -1,7 +1,6 @@
 """Steps that readers share: open a file of bounded size, check options, build the world."""
 
 import json
-import math
 import re
 from collections.abc import Sequence
 from contextlib import suppress
@@ -14,14 +13,26 @@ from shapely import MultiPolygon, Point
 from shapely.geometry.base import BaseGeometry
 
 from multisrt.environments.cleaning import FIXING, Cleaning
-from multisrt.environments.environment import SLIVER_WIDTH_M, Environment
+from multisrt.environments.environment import (
+    MAX_COORDINATE_M,
+    MIN_LENGTH_M,
+    SLIVER_WIDTH_M,
+    Environment,
+)
 from multisrt.environments.formats.bitmap import (
     Resolution,
     displacement_bound_m,
     polygons_from_grid,
 )
 from multisrt.environments.layers import Layers
-from multisrt.geometry.errors import InvalidInputError, MapFormatError, escaped
+from multisrt.geometry.errors import (
+    InvalidInputError,
+    MapFormatError,
+    escaped,
+    reason_of,
+    shortened,
+    shown,
+)
 from multisrt.geometry.numerics.kernel import BoolArray
 
 MAX_TEXT_BYTES = 64 * 2**20
@@ -35,6 +46,9 @@ Files of small triangles take 105 to 140 times their size in memory.
 
 MAX_CELLS = 64_000_000
 """Upper bound of the size of images and grids, in pixels or cells."""
+
+MAX_NAME_LENGTH: Final = 255
+"""Upper bound of the length of the name of a file, with its folders, in a map file."""
 
 MAX_STARTS = 1000
 """Upper bound of the suggested starts that are read from a file."""
@@ -67,7 +81,7 @@ def require_file(path: Path) -> int:
     except MapFormatError:
         raise
     except (OSError, ValueError) as error:
-        raise MapFormatError(f"{path} cannot be opened: {error}") from error
+        raise MapFormatError(f"{path} cannot be opened: {reason_of(error)}") from error
     if size == 0:
         raise MapFormatError(f"{path} is empty; copy or save the map again")
     return size
@@ -94,7 +108,7 @@ def read_text(path: Path, *, max_bytes: int = MAX_TEXT_BYTES) -> str:
             "save it as UTF-8"
         ) from error
     except OSError as error:
-        raise MapFormatError(f"{path} cannot be read: {error}") from error
+        raise MapFormatError(f"{path} cannot be read: {reason_of(error)}") from error
 
 
 def read_json(path: Path, what: str) -> object:
@@ -120,11 +134,13 @@ def read_json(path: Path, what: str) -> object:
             f"{path} is not JSON, line {error.lineno}, column {error.colno}: {error.msg}"
         ) from error
     except (ValueError, RecursionError) as error:
-        raise MapFormatError(f"{path} is not {what}: {error}") from error
+        raise MapFormatError(f"{path} is not {what}: {reason_of(error)}") from error
 
 
-def named_file(folder: Path, name: str, place: str) -> Path:
+def named_file(folder: Path, name: str, place: str) -> Path | None:
     """Return the path of a file that a map file names, which is in a folder or below it.
+
+    The only way from a name in a file to a path.
 
     Parameters
     ----------
@@ -137,27 +153,40 @@ def named_file(folder: Path, name: str, place: str) -> Path:
 
     Returns
     -------
-    Path
-        The path; the file need not exist.
+    Path or None
+        The path; None if there is no file or folder of that name.
 
     Raises
     ------
     MapFormatError
         If the name leads out of the folder, or cannot be the name of a file.
+
+    Examples
+    --------
+    >>> Path("cave.png").touch()
+    >>> named_file(Path(), "cave.png", "cave.world, line 1"), named_file(Path(), "x.png", "")
+    (PosixPath('cave.png'), None)
     """
+    if len(name) > MAX_NAME_LENGTH:
+        raise MapFormatError(
+            f"{place} names the file {shown(name)}; a name has at most {MAX_NAME_LENGTH} "
+            "characters, with its folders"
+        )
     try:
         found = folder / name
-        inside = found.resolve().is_relative_to(folder.resolve())
+        is_inside = found.resolve().is_relative_to(folder.resolve())
+        exists = is_inside and found.exists()
     except (OSError, ValueError, RuntimeError) as error:
-        raise MapFormatError(f"{place} names the file {shown(name)}, which cannot be opened") from (
-            error
-        )
-    if not inside:
+        raise MapFormatError(
+            f"{place} names the file {shown(name)}, which cannot be opened: {reason_of(error)}; "
+            "correct the name"
+        ) from error
+    if not is_inside:
         raise MapFormatError(
             f"{place} names the file {shown(name)}, which is not in the folder of the map; "
             f"{_file_beside(folder, name) or 'copy it into that folder and correct the name'}"
         )
-    return found
+    return found if exists else None
 
 
 def no_such_file(folder: Path, name: str, what: str) -> MapFormatError:
@@ -187,7 +216,7 @@ cave.png is beside the map: write "cave.png", or move it to bitmaps
     """
     where = "the folder of the map" if folder == Path() else folder
     remedy = _file_beside(folder, name) or "copy it there or correct the name"
-    return MapFormatError(f"{what} {name[:200]}, which is not in {where}; {remedy}")
+    return MapFormatError(f"{what} {shortened(name)}, which is not in {where}; {remedy}")
 
 
 def _file_beside(folder: Path, name: str) -> str:
@@ -202,8 +231,9 @@ def _file_beside(folder: Path, name: str) -> str:
     except (OSError, ValueError, RuntimeError):
         return ""
     is_below = not path.is_absolute() and ".." not in path.parts
-    moved = f", or move it to {path.parent}" if is_below else ""
-    return f'{path.name} is beside the map: write "{path.name}"{moved}'
+    moved = f", or move it to {shortened(str(path.parent))}" if is_below else ""
+    file = shortened(path.name, MAX_NAME_LENGTH)
+    return f'{file} is beside the map: write "{file}"{moved}'
 
 
 def require_resolution(
@@ -229,7 +259,7 @@ def require_resolution(
     Raises
     ------
     MapFormatError
-        If the resolution is None, not finite or too small.
+        If the resolution is None or no length of `require_length`.
     """
     if resolution_m is None:
         raise MapFormatError(
@@ -237,12 +267,49 @@ def require_resolution(
             f"give the metres per {unit} with {RESOLUTION_OPTION}"
         )
     resolution_m = require_number(path, "resolution", resolution_m)
-    if not (math.isfinite(resolution_m) and resolution_m >= least_m):
+    return require_length(
+        str(path), "the resolution", resolution_m, unit=f"m per {unit}", least_m=least_m
+    )
+
+
+def require_length(
+    place: str, what: str, length_m: float, *, unit: str = "m", least_m: float = MIN_LENGTH_M
+) -> float:
+    """Return a length of a map that others are multiplied with or divided by.
+
+    Parameters
+    ----------
+    place : str
+        The file and the place in it, for messages.
+    what : str
+        What has the length, for messages.
+    length_m : float
+        The length in metres.
+    unit : str
+        Its unit, for messages, such as ``"m per cell"``.
+    least_m : float
+        Minimum in metres.
+
+    Raises
+    ------
+    MapFormatError
+        If the length is not finite, below the minimum, or above `MAX_COORDINATE_M`: products and
+        quotients of lengths must neither overflow nor vanish.
+
+    Examples
+    --------
+    >>> require_length("hall.yaml", "the resolution", 1e308, unit="m per cell")
+    Traceback (most recent call last):
+        ...
+    multisrt.geometry.errors.MapFormatError: hall.yaml: the resolution is 1e+308 m per cell; \
+it must be a finite number, at least 1e-06 and at most 1e+07 m
+    """
+    if not least_m <= length_m <= MAX_COORDINATE_M:
         raise MapFormatError(
-            f"{path}: the resolution is {resolution_m:g} m per {unit}; "
-            f"it must be a finite number of at least {least_m:g} m"
+            f"{place}: {what} is {length_m:g} {unit}; it must be a finite number, at least "
+            f"{least_m:g} and at most {MAX_COORDINATE_M:g} m"
         )
-    return resolution_m
+    return length_m
 
 
 def require_number(path: Path, what: str, value: Any) -> float:
@@ -256,7 +323,7 @@ def require_number(path: Path, what: str, value: Any) -> float:
     if not isinstance(value, bool | str):
         with suppress(TypeError, ValueError, OverflowError):
             return float(value)
-    raise MapFormatError(f"{path}: the {what} must be a number, not {value!r}")
+    raise MapFormatError(f"{path}: the {what} must be a number, not {shown(value)}")
 
 
 def refuse_resolution(path: Path, resolution_m: float | None) -> None:
@@ -424,13 +491,3 @@ def build_environment(
         cleaning=world.cleaning + Cleaning(removed_starts=inside.count(False)),
         layers=layers,
     )
-
-
-def shown(value: object) -> str:
-    """Return a value from a file as short text for a message."""
-    if isinstance(value, list | tuple | dict | set):
-        return f"a {type(value).__name__} of {len(value)}"
-    if isinstance(value, int) and value.bit_length() > 10_000:
-        return f"a whole number of {value.bit_length():,} bits"  # Python limits the digits
-    text = repr(value)
-    return text if len(text) <= 60 else text[:57] + "..."

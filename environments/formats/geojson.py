@@ -11,7 +11,14 @@ import shapely
 from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
-from multisrt.environments.cleaning import FIXING, Cleaning, closed_ring, repaired, united
+from multisrt.environments.cleaning import (
+    FIXING,
+    Cleaning,
+    closed_ring,
+    repaired,
+    united,
+    without_denormals,
+)
 from multisrt.environments.environment import MAX_COORDINATE_M, Environment
 from multisrt.environments.formats.files import (
     FileStarts,
@@ -19,11 +26,10 @@ from multisrt.environments.formats.files import (
     read_json,
     refuse_resolution,
     refuse_threshold,
-    shown,
 )
 from multisrt.environments.formats.map_format import Beginning, MapFormat
 from multisrt.environments.formats.regions import require_few_overlaps
-from multisrt.geometry.errors import MapFormatError
+from multisrt.geometry.errors import MapFormatError, shown
 
 KINDS = {
     "outline": "free",
@@ -33,6 +39,9 @@ KINDS = {
     "start": "start",
 }
 """Kinds of features, by the value of the property ``kind`` (or ``type``)."""
+
+MAX_DEPTH = 16
+"""Upper bound of the collections that are nested; the place of each is in messages."""
 
 MAX_DEGREES = 1.0
 """Extent below which coordinates may be degrees rather than metres."""
@@ -91,10 +100,7 @@ def read_geojson(
         )
     _refuse_degrees(root, document)
     world = _World(repair=repair)
-    try:
-        _add(world, root, document, "free")
-    except RecursionError as error:
-        raise root.error("collections are nested too deep", "flatten them") from error
+    _add(world, root, document, "free", 0)
     require_few_overlaps(path, [polygon for _, polygon, _ in world.polygons])
     for place, polygon, kind in world.polygons:
         _unite(world, place, polygon, kind)
@@ -157,8 +163,10 @@ def _refuse_degrees(place: _Place, document: object) -> None:
         )
 
 
-def _add(world: _World, place: _Place, item: object, kind: str) -> None:
-    """Add a FeatureCollection, Feature or geometry to the world."""
+def _add(world: _World, place: _Place, item: object, kind: str, depth: int) -> None:
+    """Add a FeatureCollection, Feature or geometry in `depth` others to the world."""
+    if depth > MAX_DEPTH:
+        raise place.error(f"collections are nested more than {MAX_DEPTH} deep", "flatten them")
     if not isinstance(item, dict):
         raise place.error(f"expected a GeoJSON object, found {shown(item)}", "see RFC 7946")
     match item.get("type"):
@@ -167,12 +175,13 @@ def _add(world: _World, place: _Place, item: object, kind: str) -> None:
                 there = place.at("feature", number)
                 if not isinstance(feature, dict) or feature.get("type") != "Feature":
                     raise there.error("this is not a Feature", "a collection holds only Features")
-                _add(world, there, feature, kind)
+                _add(world, there, feature, kind, depth + 1)
         case "Feature":
-            _add(world, place, item.get("geometry"), _kind(place, item.get("properties")))
+            own = _kind(place, item.get("properties"))
+            _add(world, place, item.get("geometry"), own, depth + 1)
         case "GeometryCollection":
             for number, geometry in enumerate(_list(place, item, "geometries"), start=1):
-                _add(world, place.at("geometry", number), geometry, kind)
+                _add(world, place.at("geometry", number), geometry, kind, depth + 1)
         case "Polygon" if kind != "start":
             _add_polygon(world, place, _list(place, item, "coordinates"), kind)
         case "MultiPolygon" if kind != "start":
@@ -211,7 +220,7 @@ def _add_polygon(world: _World, place: _Place, rings: object, kind: str) -> None
     shell, *holes = [
         _ring(world, place.at("ring", number), ring) for number, ring in enumerate(rings, start=1)
     ]
-    world.polygons.append((place, Polygon(shell, holes), kind))
+    world.polygons.append((place, without_denormals(Polygon(shell, holes)), kind))
 
 
 def _unite(world: _World, place: _Place, drawn: Polygon, kind: str) -> None:

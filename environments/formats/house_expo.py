@@ -8,17 +8,17 @@ import shapely
 from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
+from multisrt.environments.cleaning import without_denormals
 from multisrt.environments.environment import MAX_COORDINATE_M, Environment
 from multisrt.environments.formats.files import (
     build_environment,
     read_json,
     refuse_resolution,
     refuse_threshold,
-    shown,
 )
 from multisrt.environments.formats.map_format import Beginning, MapFormat
 from multisrt.environments.formats.regions import require_few_overlaps
-from multisrt.geometry.errors import MapFormatError
+from multisrt.geometry.errors import MapFormatError, shown
 
 MAX_NAME_LENGTH: Final = 80
 """Upper bound of the length of an ``id`` that is used as name, in characters."""
@@ -75,8 +75,8 @@ def read_house_expo(
         raise MapFormatError(
             f"{path} has no verts; a floor plan of HouseExpo has a list of at least three [x, y]"
         )
-    outline: BaseGeometry = Polygon(
-        [_vertex(path, number, at) for number, at in enumerate(vertices, start=1)]
+    outline: BaseGeometry = without_denormals(
+        Polygon([_vertex(path, number, at) for number, at in enumerate(vertices, start=1)])
     )
     if not outline.is_valid:
         require_few_overlaps(path, [outline])

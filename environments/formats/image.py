@@ -23,7 +23,7 @@ from multisrt.environments.formats.files import (
 )
 from multisrt.environments.formats.map_format import Beginning, MapFormat
 from multisrt.environments.formats.start_mark import marked_starts
-from multisrt.geometry.errors import MapFormatError
+from multisrt.geometry.errors import MapFormatError, reason_of
 from multisrt.geometry.numerics.kernel import BoolArray
 
 if TYPE_CHECKING:
@@ -225,7 +225,8 @@ def read_pixels(path: Path) -> Pixels:
             ) from error
         except Exception as error:  # a damaged file makes decoders raise almost anything
             raise MapFormatError(
-                f"{path} is a damaged image: {error}; copy it again, or open it and save it anew"
+                f"{path} is a damaged image: {reason_of(error)}; copy it again, or open it "
+                "and save it anew"
             ) from error
 
 

@@ -11,7 +11,7 @@ import shapely
 from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
-from multisrt.environments.cleaning import FIXING, Cleaning, repaired
+from multisrt.environments.cleaning import FIXING, Cleaning, repaired, without_denormals
 from multisrt.environments.environment import MAX_COORDINATE_M, Environment
 from multisrt.environments.formats.files import (
     MAX_POLYGON_BYTES,
@@ -19,11 +19,11 @@ from multisrt.environments.formats.files import (
     read_text,
     refuse_resolution,
     refuse_threshold,
-    shown,
+    require_length,
 )
 from multisrt.environments.formats.map_format import Beginning, MapFormat
 from multisrt.environments.formats.regions import require_few_overlaps
-from multisrt.geometry.errors import MapFormatError
+from multisrt.geometry.errors import MapFormatError, shown
 
 SECTIONS: Final = ("[SCALE]", "[BORDER]", "[OBSTACLE]")
 """Sections of the layout with coordinates in each polygon."""
@@ -156,7 +156,7 @@ class _Section:
         """Return the rows after a count in row `start`, which they must agree with."""
         count, found = self.count(start), len(self.rows) - start - 1
         if count != found:
-            raise self.error(f"says that {count} lines follow, and {found} do")
+            raise self.error(f"says that {count:g} lines follow, and {found} do")
         return range(start + 1, len(self.rows))
 
 
@@ -216,9 +216,14 @@ def _plain_polygons(sections: list[_Section]) -> Polygons:
     scale = 1.0
     for section in sections:
         if section.heading == "[SCALE]":
-            if len(section.rows) != 1 or len(section.rows[0]) != 1 or not section.rows[0][0] > 0:
+            if len(section.rows) != 1 or len(section.rows[0]) != 1:
                 raise section.error("must be followed by one positive number")
-            scale = section.rows[0][0]
+            scale = require_length(
+                f"{section.path}, line {section.lines[0]}",
+                "the scale",
+                section.rows[0][0],
+                unit="m per unit",
+            )
     polygons = []
     for section in sections:
         if section.heading in ("[BORDER]", "[OBSTACLE]"):
@@ -265,9 +270,10 @@ def _named_polygons(sections: list[_Section]) -> Polygons:
     for section in sections:
         if section.heading == "[NUM_HOLES]":
             count = section.count(0)
-            if holes != set(range(count)) or len(polygons) != count + 1:
+            # Counted first: the number may be any.
+            if len(holes) != count or holes != set(range(count)) or len(polygons) != count + 1:
                 raise section.error(
-                    f"is {count}; the sections [HOLE] are not numbered from 0 to {count - 1}"
+                    f"is {count:g}; the sections [HOLE] are not numbered from 0 to {count - 1:g}"
                 )
     return polygons
 
@@ -318,7 +324,7 @@ def _polygon(section: _Section, points: list[Point]) -> Polygon:
         raise section.error("must be followed by at least three lines or points")
     if not all(abs(value) <= MAX_COORDINATE_M for point in points for value in point):
         raise section.error(f"has a coordinate beyond {MAX_COORDINATE_M:g} m; check the scale")
-    return Polygon(points)
+    return without_denormals(Polygon(points))
 
 
 def _is_imr(beginning: Beginning) -> bool:

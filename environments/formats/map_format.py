@@ -10,7 +10,7 @@ from typing import Final, Protocol
 
 from multisrt.environments.environment import Environment
 from multisrt.environments.formats.files import require_file
-from multisrt.geometry.errors import MapFormatError
+from multisrt.geometry.errors import MapFormatError, reason_of
 
 HEAD_BYTES: Final = 64 * 2**10
 """Number of bytes at the beginning of a file from which its format is recognised (64 KiB)."""
@@ -95,4 +95,4 @@ def beginning_of(path: Path) -> Beginning:
         with path.open("rb") as file:
             return Beginning(file.read(HEAD_BYTES))
     except OSError as error:
-        raise MapFormatError(f"{path} cannot be read: {error}") from error
+        raise MapFormatError(f"{path} cannot be read: {reason_of(error)}") from error

@@ -17,12 +17,11 @@ from multisrt.environments.formats.files import (
     refuse_resolution,
     refuse_threshold,
     require_resolution,
-    shown,
     straightened,
 )
 from multisrt.environments.formats.image import Pixels, read_pixels
 from multisrt.environments.formats.map_format import Beginning, MapFormat
-from multisrt.geometry.errors import MapFormatError
+from multisrt.geometry.errors import MAX_REASON, MapFormatError, reason_of, shortened, shown
 from multisrt.geometry.numerics.kernel import BoolArray, FloatArray
 
 MAX_YAML_BYTES = 2**16
@@ -142,12 +141,12 @@ def _entries(path: Path) -> dict[object, object]:
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark
         place = f", line {mark.line + 1}, column {mark.column + 1}" if mark else ""
-        raise MapFormatError(f"{path} is not YAML{place}: {error.problem}") from error
+        problem = shortened(str(error.problem), MAX_REASON)
+        raise MapFormatError(f"{path} is not YAML{place}: {problem}") from error
     except MapFormatError:
         raise
     except Exception as error:  # values with wrong tags make the library raise almost anything
-        reason = " ".join(str(error).split())[:200] or type(error).__name__
-        raise MapFormatError(f"{path} is not YAML: {reason}") from error
+        raise MapFormatError(f"{path} is not YAML: {reason_of(error)}") from error
     if not isinstance(loaded, dict):
         raise MapFormatError(
             f"{path} is not a map: it has no keys; a map_server YAML has {', '.join(REQUIRED_KEYS)}"
@@ -166,11 +165,7 @@ def _image_path(path: Path, entries: dict[object, object]) -> Path:
     if not isinstance(image, str):
         raise MapFormatError(f"{path}: image is {shown(image)}; it must be the name of a file")
     found = named_file(path.parent, image, f"{path}: image")
-    try:
-        exists = found.exists()
-    except OSError as error:
-        raise MapFormatError(f"{path}: the image {shown(image)} cannot be opened") from error
-    if not exists:
+    if found is None:
         raise no_such_file(path.parent, image, f"{path} names the image")
     return found
 

@@ -13,11 +13,10 @@ from multisrt.environments.formats.files import (
     read_text,
     refuse_threshold,
     require_resolution,
-    shown,
     straightened,
 )
 from multisrt.environments.formats.map_format import Beginning, MapFormat
-from multisrt.geometry.errors import MapFormatError
+from multisrt.geometry.errors import MapFormatError, shown
 from multisrt.geometry.numerics.kernel import BoolArray
 
 FREE = ".GS"

@@ -16,12 +16,11 @@ from multisrt.environments.formats.files import (
     read_text,
     refuse_threshold,
     require_resolution,
-    shown,
     straightened,
 )
 from multisrt.environments.formats.map_format import Beginning, MapFormat
 from multisrt.environments.formats.moving_ai import read_cells
-from multisrt.geometry.errors import MapFormatError
+from multisrt.geometry.errors import MapFormatError, shown
 from multisrt.geometry.numerics.kernel import BoolArray
 
 FIELDS: Final = "bucket, map, map width, map height, start x, start y, goal x, goal y, length"
@@ -153,7 +152,7 @@ def _problem(place: str, line: str) -> _Problem:
 def _map_path(path: Path, problem: _Problem) -> Path:
     for name in (problem.map, PurePosixPath(problem.map).name):
         found = named_file(path.parent, name, problem.place)
-        if found.is_file():
+        if found is not None and found.is_file():
             return found
     raise no_such_file(path.parent, problem.map, f"{problem.place} names the map")
 

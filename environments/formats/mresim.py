@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import Final
 
 from multisrt.environments.environment import Environment
-from multisrt.environments.formats.files import MAX_STARTS, read_text, shown
+from multisrt.environments.formats.files import MAX_STARTS, read_text
 from multisrt.environments.formats.image import PILLOW_FORMATS
 from multisrt.environments.formats.map_format import Beginning
-from multisrt.geometry.errors import MapFormatError
+from multisrt.geometry.errors import MapFormatError, shortened, shown
 
 MAX_TEAM_BYTES: Final = 2**20
 """Upper bound of the size of team files, in bytes (1 MiB)."""
@@ -133,8 +133,8 @@ def with_team(world: Environment, image: Path, resolution_m: float, team: Path) 
         x, y = (member.column + 0.5) * resolution_m, (height - member.row - 0.5) * resolution_m
         if not world.contains(x, y):
             raise MapFormatError(
-                f"{team}, line {member.line}: {member.name} starts in the pixel "
-                f"({member.column}, {member.row}), which is not free in {image.name}; "
+                f"{team}, line {member.line}: {shortened(member.name)} starts in the "
+                f"pixel ({member.column}, {member.row}), which is not free in {image.name}; "
                 "is it the team of this image?"
             )
         starts[x, y] = member

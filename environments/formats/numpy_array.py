@@ -21,7 +21,7 @@ from multisrt.environments.formats.files import (
 )
 from multisrt.environments.formats.image import free_pixels
 from multisrt.environments.formats.map_format import Beginning, MapFormat
-from multisrt.geometry.errors import MapFormatError
+from multisrt.geometry.errors import MapFormatError, reason_of, shortened
 from multisrt.geometry.numerics.kernel import BoolArray
 
 FREE_OCCUPANCY: Final = 0.25
@@ -29,6 +29,9 @@ FREE_OCCUPANCY: Final = 0.25
 
 MAX_HEADER_BYTES: Final = 10_000
 """Upper bound of the length of the header, which is a Python literal."""
+
+MAX_SIDE: Final = 2**63 - 1
+"""Upper bound of the sides that numpy allows; a header may hold any whole number."""
 
 AS_OCCUPANCIES: Final = "save occupancies as int8 (0 to 100, -1 unknown) or bool (True occupied)"
 """Remedy for numbers whose meaning is not clear."""
@@ -124,17 +127,17 @@ def _mapped(path: Path) -> NDArray[Any]:
             shape, fortran_order, dtype = _header(path, file)
             start = file.tell()
     except OSError as error:
-        raise MapFormatError(f"{path} cannot be read: {error}") from error
+        raise MapFormatError(f"{path} cannot be read: {reason_of(error)}") from error
     if not (dtype.kind in "bif" or dtype == np.uint8):
         raise MapFormatError(
             f"{path} has numbers of type {_type_name(dtype)}; a map has bool, uint8, int8 (or "
             "wider) or float: convert it with astype"
         )
     if len(shape) != 2:
-        raise MapFormatError(f"{path} has the shape {shape}; a grid has rows and columns")
+        raise MapFormatError(f"{path} has the shape {_shown(shape)}; a grid has rows and columns")
     cells = math.prod(shape)
     if cells == 0:
-        raise MapFormatError(f"{path} has the shape {shape}, which has no cells")
+        raise MapFormatError(f"{path} has the shape {_shown(shape)}, which has no cells")
     if cells > MAX_CELLS:
         raise MapFormatError(
             f"{path} has {shape[0]} x {shape[1]} cells; grids are read up to {MAX_CELLS:,} cells"
@@ -181,13 +184,19 @@ def _header(path: Path, file: Any) -> tuple[tuple[int, ...], bool, np.dtype[Any]
             shape, fortran_order, dtype = read_header(file, max_header_size=MAX_HEADER_BYTES)
     except Exception as error:  # the header is a literal: parsing it raises almost anything
         raise MapFormatError(f"{path} has a damaged header; write it with numpy.save") from error
+    if any(abs(side) > MAX_SIDE for side in shape):
+        raise MapFormatError(f"{path} has a damaged header; write it with numpy.save")
     if any(isinstance(side, bool) or side < 0 for side in shape):
-        raise MapFormatError(f"{path} has the shape {shape}; sides are not negative")
+        raise MapFormatError(f"{path} has the shape {_shown(shape)}; sides are not negative")
     return shape, fortran_order, dtype
 
 
+def _shown(shape: tuple[int, ...]) -> str:
+    return shortened(str(shape))
+
+
 def _type_name(dtype: np.dtype[Any]) -> str:
-    return "object (pickled Python)" if dtype.hasobject else str(dtype)[:40]
+    return "object (pickled Python)" if dtype.hasobject else shortened(str(dtype))
 
 
 def _require_grey(path: Path, array: NDArray[np.uint8]) -> None:

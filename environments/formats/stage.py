@@ -12,8 +12,8 @@ import shapely
 from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
-from multisrt.environments.cleaning import Cleaning
-from multisrt.environments.environment import MAX_COORDINATE_M, Environment
+from multisrt.environments.cleaning import Cleaning, flushed, without_denormals
+from multisrt.environments.environment import MAX_COORDINATE_M, MIN_LENGTH_M, Environment
 from multisrt.environments.formats.bitmap import MAX_CORNERS
 from multisrt.environments.formats.files import (
     MAX_CELLS,
@@ -24,13 +24,14 @@ from multisrt.environments.formats.files import (
     no_such_file,
     refuse_resolution,
     refuse_threshold,
+    require_length,
     straightened,
 )
 from multisrt.environments.formats.image import read_pixels
 from multisrt.environments.formats.map_format import Beginning, MapFormat
 from multisrt.environments.formats.regions import require_few_overlaps
 from multisrt.environments.formats.worldfile import Entity, parse_worldfile
-from multisrt.geometry.errors import MapFormatError
+from multisrt.geometry.errors import MapFormatError, shortened
 from multisrt.geometry.numerics.kernel import FloatArray
 
 FREE_SHARE: Final = 0.5
@@ -46,7 +47,7 @@ DEFAULT_SIZE_M: Final = (0.1, 0.1)
 """Size of a model that has none, in metres."""
 
 MAX_SIZE_M: Final = 1e5
-"""Upper bound of the size of a model, in metres."""
+"""Upper bound of the size of a model, in metres; the lower bound is `MIN_LENGTH_M`."""
 
 MAX_BITMAPS: Final = 100
 """Upper bound of the different bitmaps of a world."""
@@ -67,6 +68,9 @@ OF_ROBOTS: Final = frozenset(
     )
 )
 """Properties that only robots have: a controller, and those of the type ``position``."""
+
+MAX_NAMES: Final = 5
+"""Upper bound of the names of files that are listed in a message or in the origin of a world."""
 
 MAX_TYPES_TOLD: Final = 5
 """Upper bound of the types that are not known and told in the origin of a world."""
@@ -150,19 +154,15 @@ def read_stage(
     if not world.floorplans:
         raise MapFormatError(
             f"{path} has no model with a bitmap, so there is no floorplan"
-            + (
-                f"; is it in {', '.join(parsed.missing)}, which is missing?"
-                if parsed.missing
-                else ""
-            )
+            + (f"; is it in {_listed(parsed.missing)}, which is missing?" if parsed.missing else "")
         )
     free = world.free()
     shapely.prepare(free)
     robots, others = world.robots()
     inside = [place for place in robots if shapely.contains_xy(free, *place)]
-    told = [f"{path.name} with {', '.join(world.bitmaps)}"]
-    told += [f"{missing} is missing" for missing in parsed.missing]
-    told += [f"{kind} is not defined, and is no robot" for kind in others]
+    told = [f"{path.name} with {_listed(tuple(world.bitmaps))}"]
+    told += [f"{shortened(missing)} is missing" for missing in parsed.missing]
+    told += [f"{shortened(kind)} is not defined, and is no robot" for kind in others]
     if len(inside) < len(robots):
         told.append(f"{len(inside)} of {len(robots)} robots are in free space")
     return build_environment(
@@ -173,6 +173,13 @@ def read_stage(
         starts=FileStarts(inside),
         cleaning=Cleaning(straightened_m=world.straightened_m),
     )
+
+
+def _listed(names: tuple[str, ...]) -> str:
+    """Return the first of some names from a file, as text."""
+    more = len(names) - MAX_NAMES
+    some = ", ".join(shortened(name) for name in names[:MAX_NAMES])
+    return f"{some} and {more} more" if more > 0 else some
 
 
 # Values of properties -----------------------------------------------------------------------
@@ -201,8 +208,7 @@ class _Pose:
         turn = self.matrix.T
 
         def placed(points: FloatArray) -> FloatArray:
-            moved: FloatArray = points @ turn + (self.x, self.y)
-            return moved
+            return flushed(points @ turn + (self.x, self.y))
 
         return shapely.transform(shape, placed)
 
@@ -235,10 +241,10 @@ class _Units:
         if values is None:
             return DEFAULT_SIZE_M
         width, height = (self.length * value for value in values[:2])
-        if not (0 < width <= MAX_SIZE_M and 0 < height <= MAX_SIZE_M):
+        if not all(MIN_LENGTH_M <= side <= MAX_SIZE_M for side in (width, height)):
             raise MapFormatError(
                 f"{entity.properties['size'].place}: the size is {width:g} x {height:g} m; both "
-                f"are above 0 and at most {MAX_SIZE_M:g} m"
+                f"are at least {MIN_LENGTH_M:g} and at most {MAX_SIZE_M:g} m"
             )
         return width, height
 
@@ -358,6 +364,7 @@ class _World:
             bitmap = self._bitmap(entity)
             free = _stretched(bitmap.free, width, height)
             cell = width / bitmap.columns, height / bitmap.rows
+            require_length(entity.place, "a pixel of the bitmap", min(cell))
             moved_m = straightened(bitmap.free, cell).straightened_m
             self.straightened_m = max(self.straightened_m, moved_m)
             if inner is not ground:
@@ -394,7 +401,7 @@ class _World:
 
     def _read(self, file: str, place: str) -> _Bitmap:
         image = named_file(self.path.parent, file, place)
-        if not image.exists():
+        if image is None:
             raise no_such_file(self.path.parent, file, f"{place} names the bitmap")
         pixels = read_pixels(image)
         self.pixels += pixels.channels.shape[0] * pixels.channels.shape[1]
@@ -433,8 +440,11 @@ def _blocks(entity: Entity, unit: float) -> Iterable[BaseGeometry]:
     if not shapes:
         return () if _number(entity, "noblocks", 0.0) else (shapely.box(-0.5, -0.5, 0.5, 0.5),)
     x0, y0, x1, y1 = shapely.total_bounds(shapes)
-    if not (x1 > x0 and y1 > y0):
-        raise MapFormatError(f"{entity.place}: the blocks of {entity.word} have no area")
+    if not min(x1 - x0, y1 - y0) >= MIN_LENGTH_M:
+        raise MapFormatError(
+            f"{entity.place}: the blocks of {shortened(entity.word)} have no area: they are "
+            f"{x1 - x0:g} x {y1 - y0:g} m"
+        )
     centre, extent = ((x0 + x1) / 2, (y0 + y1) / 2), (x1 - x0, y1 - y0)
     return shapely.transform(np.array(shapes, object), lambda points: (points - centre) / extent)
 
@@ -451,7 +461,9 @@ def _block(block: Entity, unit: float) -> Polygon:
         if point is None:
             raise MapFormatError(f"{block.place}: the block has no point[{number}]")
         points.append((unit * point[0], unit * point[1]))
-    polygon = Polygon(points)
+        if max(map(abs, points[-1])) > MAX_COORDINATE_M:
+            raise MapFormatError(f"{block.place}: point[{number}] is beyond {MAX_COORDINATE_M:g} m")
+    polygon = without_denormals(Polygon(points))
     if not polygon.is_valid:
         raise MapFormatError(
             f"{block.place}: the block is not a valid polygon: {shapely.is_valid_reason(polygon)}"

@@ -9,7 +9,7 @@ import shapely
 from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
-from multisrt.environments.cleaning import FIXING, Cleaning, repaired, united
+from multisrt.environments.cleaning import FIXING, Cleaning, repaired, united, without_denormals
 from multisrt.environments.environment import MAX_COORDINATE_M, Environment
 from multisrt.environments.formats.files import (
     MAX_POLYGON_BYTES,
@@ -20,14 +20,10 @@ from multisrt.environments.formats.files import (
 )
 from multisrt.environments.formats.map_format import Beginning, MapFormat
 from multisrt.environments.formats.regions import require_few_overlaps
-from multisrt.geometry.errors import MapFormatError
+from multisrt.geometry.errors import MapFormatError, reason_of
 
 MAX_DEPTH = 16
 """Upper bound of nested parentheses, since the parser recurses without bound."""
-
-
-MAX_REASON = 120
-"""Upper bound of the length of the parser's reason in a message, in characters."""
 
 
 def read_wkt(
@@ -86,13 +82,9 @@ def _parsed(path: Path, *, repair: bool) -> tuple[BaseGeometry, Cleaning]:
         # Coordinates that are not finite are refused later, with their position.
         with np.errstate(invalid="ignore", over="ignore"):
             geometry = shapely.from_wkt(text, on_invalid="fix" if repair else "raise")
-            flat = shapely.force_2d(geometry)
+            flat = without_denormals(shapely.force_2d(geometry))
     except (shapely.errors.ShapelyError, ValueError) as error:
-        reason = (
-            str(error).removeprefix("ParseException: ").removeprefix("IllegalArgumentException: ")
-        )
-        if len(reason) > MAX_REASON:
-            reason = f"{reason[:MAX_REASON]}..."  # it may cite the whole text
+        reason = re.sub(r"^(Parse|IllegalArgument)Exception: ", "", reason_of(error))
         raise MapFormatError(
             f"{path} is not well-known text: {reason}; it must be POLYGON ((x y, x y, ...), ...), "
             f"MULTIPOLYGON or GEOMETRYCOLLECTION, with every ring closed; for open rings, {FIXING}"

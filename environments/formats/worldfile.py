@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final, NamedTuple
 
-from multisrt.environments.formats.files import named_file, read_text, shown
-from multisrt.geometry.errors import MapFormatError
+from multisrt.environments.formats.files import named_file, read_text
+from multisrt.geometry.errors import MapFormatError, shortened, shown
 
 MAX_WORLD_BYTES: Final = 4 * 2**20
 """Upper bound of the size of a world file and of each file that it includes, in bytes (4 MiB)."""
@@ -216,13 +216,13 @@ class _Source:
                 f"{MAX_INCLUDE_DEPTH} in a chain; join some of them"
             )
         path = named_file(self._folder, token.text, token.place)
-        if not path.exists():
+        if path is None:
             self.missing.append(token.text)
             return
         if path.resolve() in chain:
             raise MapFormatError(
-                f"{token.place}: {token.text} includes itself, directly or through other files; "
-                "remove one of the includes"
+                f"{token.place}: {shortened(token.text)} includes itself, directly or through "
+                "other files; remove one of the includes"
             )
         yield from self.tokens(path, read_text(path, max_bytes=MAX_WORLD_BYTES), chain)
 
@@ -274,7 +274,7 @@ class _Syntax:
             if token.text == "define" and not opened:
                 opened.append(self._define())
                 continue
-            after = self._next(f"{token.text} is followed by a value or by ( ... )")
+            after = self._next(f"{shortened(token.text)} is followed by a value or by ( ... )")
             if after.kind == "sign" and after.text == "(":
                 block = _Block(token.text, token.place)
                 items.append(block)
@@ -287,7 +287,7 @@ class _Syntax:
                 items.append((token.text, Property(self._values(token, after), token.place)))
         if opened:
             raise MapFormatError(
-                f"{opened[-1].place}: the ( of {opened[-1].word} is not closed; add a )"
+                f"{opened[-1].place}: the ( of {shortened(opened[-1].word)} is not closed; add a )"
             )
 
     def _define(self) -> _Block:
@@ -304,18 +304,18 @@ class _Syntax:
             return (_value(first),)
         if first[:2] != ("sign", "["):
             raise MapFormatError(
-                f"{first.place}: {name.text} is followed by {shown(first.text)}; a value is a "
-                "number, a string in quotes or a tuple in [ ]"
+                f"{first.place}: {shortened(name.text)} is followed by {shown(first.text)}; a "
+                "value is a number, a string in quotes or a tuple in [ ]"
             )
         values: list[Value] = []
         while True:
-            token = self._next(f"the tuple of {name.text} is not closed; add a ]")
+            token = self._next(f"the tuple of {shortened(name.text)} is not closed; add a ]")
             if token[:2] == ("sign", "]"):
                 return tuple(values)
             if token.kind not in ("string", "number"):
                 raise MapFormatError(
-                    f"{token.place}: {shown(token.text)} is in the tuple of {name.text}; "
-                    "it must consist of numbers and strings"
+                    f"{token.place}: {shown(token.text)} is in the tuple of "
+                    f"{shortened(name.text)}; it must consist of numbers and strings"
                 )
             values.append(_value(token))
 
@@ -362,8 +362,8 @@ class _Expansion:
             chain.append(macro)
             if len(chain) > MAX_NESTING:
                 raise MapFormatError(
-                    f"{block.place}: {block.word} is defined by itself, or by a chain of more than "
-                    f"{MAX_NESTING} macros"
+                    f"{block.place}: {shortened(block.word)} is defined by itself, or by a chain "
+                    f"of more than {MAX_NESTING} macros"
                 )
         entity = Entity(chain[-1].word, block.word, block.place)
         for part in reversed(chain):

@@ -13,7 +13,7 @@ import shapely
 from multisrt.environments.environment import Environment
 from multisrt.events import AnyEvent, Event, NodeAdded, NodeName
 from multisrt.geometry.configuration import Configuration
-from multisrt.geometry.errors import InvalidInputError, escaped
+from multisrt.geometry.errors import InvalidInputError, reason_of, shown
 from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.recording.files import atomic_write
 from multisrt.recording.flaws import flaw_of, order_flaws
@@ -121,7 +121,9 @@ class Recording:
         try:
             parts = [shapely.Polygon(rings[0], rings[1:]) for rings in free]
         except (IndexError, ValueError, shapely.errors.ShapelyError) as error:
-            raise InvalidInputError(f"environment {world!r} of the recording: {error}") from None
+            raise InvalidInputError(
+                f"environment {shown(world)} of the recording: {reason_of(error)}"
+            ) from None
         return Environment(world, shapely.MultiPolygon(parts))
 
     def save(self, path: str | Path) -> None:
@@ -170,7 +172,7 @@ class Recording:
             with path.open("rb") as file:
                 return cls._parse(file, path)
         except OSError as error:
-            raise InvalidInputError(f"{path}: {error.strerror or error}") from None
+            raise InvalidInputError(f"{path}: {reason_of(error)}") from None
 
     @classmethod
     def _parse(cls, file: IO[bytes], path: Path) -> Recording:
@@ -183,7 +185,7 @@ class Recording:
                 if number == 1 and not _claims_to_be_header(text):
                     raise _no_header(path) from None
                 raise InvalidInputError(
-                    f"{path}, line {number}: not a line of a recording: {escaped(str(error))}"
+                    f"{path}, line {number}: not a line of a recording: {reason_of(error)}"
                 ) from None
             if number == 1:
                 _require_header(lines[0], path)

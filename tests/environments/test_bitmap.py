@@ -227,6 +227,8 @@ def test_no_free_cell_gives_an_empty_geometry():
         (np.ones(4, dtype=bool), 1.0, 0.45, r"shape \(4,\)"),
         (np.ones((2, 2), dtype=bool), 0.0, 0.45, "resolution_m is 0"),
         (np.ones((2, 2), dtype=bool), math.nan, 0.45, "resolution_m is nan"),
+        (np.ones((2, 2), dtype=bool), 1e308, 0.45, "resolution_m is 1e.308; .* to 1e.07, or two"),
+        (np.ones((2, 2), dtype=bool), (1e-300, 1.0), 0.45, "resolution_m is .*from 1e-06 to"),
         (np.ones((2, 2), dtype=bool), (1.0, 0.0), 0.45, r"resolution_m is \(1.0, 0.0\)"),
         (np.ones((2, 2), dtype=bool), (1.0, math.inf), 0.45, r"resolution_m is \(1.0, inf\)"),
         (np.ones((2, 2), dtype=bool), (1.0, 1.0, 1.0), 0.45, "or two, along x and along y"),

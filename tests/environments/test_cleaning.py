@@ -11,12 +11,15 @@ from hypothesis.extra.numpy import arrays
 from shapely import Polygon, box
 
 from multisrt.environments.cleaning import (
+    ZERO_M,
     Cleaning,
     CleaningOptions,
     cleaned,
     closed_ring,
+    flushed,
     repaired,
     united,
+    without_denormals,
 )
 from multisrt.environments.environment import Environment
 from multisrt.environments.fixing import fixed
@@ -114,6 +117,23 @@ def test_a_hole_at_the_edge_changes_no_area(hole, changed):
 
 def test_a_valid_polygon_is_not_touched():
     assert repaired(HALL) == (HALL, Cleaning())
+
+
+@given(arrays(float, (5, 2), elements=st.floats(-1e7, 1e7)))
+def test_only_the_smallest_coordinates_become_zero(points):
+    clear = flushed(points)
+    changed = clear != points
+    assert (clear[changed] == 0.0).all()
+    assert (np.abs(points[changed]) < ZERO_M).all()
+    assert ((clear == 0.0) | (np.abs(clear) >= ZERO_M)).all()
+
+
+def test_denormal_coordinates_of_worlds_are_zero():
+    room = Polygon([(5e-324, 0), (4, -1e-310), (4, 3), (0, 3)])
+    assert without_denormals(HALL) is HALL
+    expected = Environment("room", Polygon([(0, 0), (4, 0), (4, 3), (0, 3)]))
+    assert Environment("room", room).digest == expected.digest
+    assert repaired(room) == (without_denormals(room), Cleaning())
 
 
 def test_overlaps_are_united_and_contacts_are_not_counted():

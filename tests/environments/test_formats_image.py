@@ -148,11 +148,13 @@ def test_resolution_is_asked_for(tmp_path):
         read_environment(path)
 
 
-@pytest.mark.parametrize("resolution_m", [0.0, -0.1, float("nan"), float("inf"), 1e-4])
+@pytest.mark.parametrize(
+    "resolution_m", [0.0, -0.1, float("nan"), float("inf"), 1e-4, 1e-300, 2e7, 1e308]
+)
 def test_resolution_is_checked(tmp_path, resolution_m):
     path = tmp_path / "room.png"
     Image.fromarray(FREE * np.uint8(255)).save(path)
-    with pytest.raises(MapFormatError, match="finite number of at least"):
+    with pytest.raises(MapFormatError, match=r"finite number, at least 0.001 and at most 1e.07 m"):
         read_environment(path, resolution_m=resolution_m)
 
 

@@ -125,6 +125,8 @@ def header(shape, descr="'|b1'", version=(1, 0), rest=b""):
         (header("(2, 3)", rest=bytes(5)), "ends after 5 of 6 bytes"),
         (header("(100000, 100000)"), "100000 x 100000 cells; grids are read up to 64,000,000"),
         (header("(-1, -6)", rest=bytes(6)), "sides are not negative"),
+        (header(f"(0x{'f' * 4000}, 6)", rest=bytes(6)), "damaged header"),
+        (header("(" + "1, " * 500 + ")", rest=bytes(6)), r"shape \(1, [1 ,]*\.\.\.; a grid has"),
         (header("(True, 6)", rest=bytes(6)), "sides are not negative"),
         (header("(2.0, 3)", rest=bytes(6)), "damaged header"),
         (header("(2, 3", rest=bytes(6)), "damaged header"),

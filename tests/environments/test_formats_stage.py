@@ -301,7 +301,9 @@ def test_starts_are_bounded_and_distinct(read, monkeypatch):
         ("model ( bitmap 5 )", "line 1: bitmap must be the name of an image in quotes"),
         ('model ( bitmap "" )', "line 1: bitmap must be the name of an image in quotes"),
         ('model ( bitmap "a\0.png" )', "cannot be opened|no closing|does not belong"),
-        (PLAIN.replace("[8 6 1]", "[8 0 1]"), "line 1: the size is 8 x 0 m; both are above 0"),
+        (PLAIN.replace("[8 6 1]", "[8 0 1]"), "line 1: the size is 8 x 0 m; both are at least"),
+        (PLAIN.replace("[8 6 1]", "[8 1e-300 1]"), "line 1: the size is 8 x 1e-300 m"),
+        (PLAIN.replace("[8 6 1]", "[8 1e-5 1]"), "line 1: a pixel of the bitmap is .*e-07 m"),
         (PLAIN.replace("[8 6 1]", "[8 1e6 1]"), "line 1: the size is 8 x 1e.06 m"),
         (PLAIN.replace("[8 6 1]", "8"), r"line 1: size must be a tuple of numbers \[x y z\]"),
         (PLAIN.replace("[8 6 1]", '[8 "6" 1]'), "line 1: size must be a tuple of numbers"),
@@ -315,6 +317,14 @@ def test_starts_are_bounded_and_distinct(read, monkeypatch):
         (
             PLAIN + "model ( block ( points 3 point[0] [0 0] point[1] [1 0] z [0 1] ) )",
             r"line 1: the block has no point\[2\]",
+        ),
+        (
+            PLAIN + "model ( block ( points 3 point[0] [0 0] point[1] [1e9 0] point[2] [0 1] ) )",
+            r"line 1: point\[1\] is beyond 1e.07 m",
+        ),
+        (
+            PLAIN + "model ( block ( points 3 point[0] [0 0] point[1] [1 0] point[2] [0 1e-9] ) )",
+            "line 1: the blocks of model have no area: they are 1 x 1e-09 m",
         ),
         (
             PLAIN + "model ( block ( points 3 point[0] [0 0] point[1] [1 0] point[2] [2 0] ) )",

@@ -87,7 +87,8 @@ def test_imr_polygons(read):
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("0.01", "0", r"line 1: \[SCALE\] must be followed by one positive number"),
+        ("0.01", "0", "line 2: the scale is 0 m per unit; it must be a finite number, at least"),
+        ("0.01", "-1", "line 2: the scale is -1 m per unit"),
         ("0.01", "1 2", r"line 1: \[SCALE\]"),
         ("0.01", "nan", "line 2 is 'nan'; it must consist of finite numbers"),
         ("1000 800", "1000 eight", "line 7 is '1000 eight'"),
@@ -96,7 +97,9 @@ def test_imr_polygons(read):
         ("[BORDER]", "[LIMITS]", r"line 4: \[LIMITS\] does not belong to a layout with \[SCALE\]"),
         ("700 400\n700 600\n", "", r"line 16: \[OBSTACLE\] must be followed by at least three"),
         ("600 300", "300 480", r"line 10: \[OBSTACLE\] is not a valid polygon"),
-        ("0.01", "1e9", "beyond 1e.07 m"),
+        ("0.01", "1e9", "line 2: the scale is 1e.09 m per unit.* at most 1e.07 m"),
+        ("0.01", "5e-324", "line 2: the scale is .*e-324 m per unit"),
+        ("0.01", "1e6", "line 4: .*beyond 1e.07 m"),
         ("0 0\n", "0 0\n1e308 0\n", "line 4: .*beyond"),
     ],
 )
@@ -233,6 +236,7 @@ def test_imr_heading_and_number_may_share_a_line(read):
         (NAMED, "2 2\n", "2\n", "line 19: a vertex is a line position index"),
         (NAMED, "2 2\n", "2 9\n", "line 19: 9 is not the index of a point"),
         (NAMED, "[NUM_HOLES]\n1", "[NUM_HOLES]\n2", r"line 21: \[NUM_HOLES\] is 2; the sections"),
+        (NAMED, "[NUM_HOLES]\n1", "[NUM_HOLES]\n1e300", r"line 21: \[NUM_HOLES\] is 1e.300; the"),
         (NAMED, "[HOLE]\n0", "[HOLE]\n1", r"line 21: \[NUM_HOLES\] is 1; the sections"),
         (NAMED, "[HOLE]", "[OBSTACLE]", r"\[OBSTACLE\] does not belong to a layout with \[NAME\]"),
         (

@@ -1,5 +1,6 @@
 """Damaged files: what once broke a reader, the first inputs of each format, and heavy ones."""
 
+import re
 from pathlib import Path
 
 import pytest
@@ -11,6 +12,8 @@ from multisrt.environments.formats import FORMATS, read_environment
 
 INPUTS = 50
 MAX_SEED_BYTES = 9000
+TEXTS = [name for name in TARGETS if name not in ("dxf", "image", "numpy_array")]
+WORD = re.compile(rb"[A-Za-z]{2,}[\w.-]*|\d{2,}")
 KEPT = [
     path
     for folder in sorted((FOLDER / "kept").iterdir())
@@ -48,6 +51,16 @@ def test_kept_inputs_are_read_or_refused(path, tmp_path):
     for options in target.options:
         outcome = judge(target, Input(path.read_bytes(), path.suffix, options), tmp_path)
         assert_right(outcome, f"{path.name}, {options}")
+
+
+@pytest.mark.parametrize("name", TEXTS)
+def test_long_words_and_numbers_are_not_cited_in_full(name, tmp_path):
+    target = prepared(name, tmp_path)
+    for suffix, content in target.seeds:
+        for word in WORD.finditer(content):
+            long = content[: word.start()] + word[0] * 300 + content[word.end() :]
+            outcome = judge(target, Input(long, suffix, target.options[-1]), tmp_path)
+            assert_right(outcome, f"{name}, {word[0]!r} at {word.start()}")
 
 
 @pytest.mark.slow

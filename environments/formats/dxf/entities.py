@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
+from multisrt.environments.cleaning import flushed
 from multisrt.environments.environment import MAX_COORDINATE_M
 from multisrt.environments.formats.curves import FLATNESS_M, cubic_points
 from multisrt.environments.formats.files import RESOLUTION_OPTION
 from multisrt.environments.formats.plan import Role, role_within
 from multisrt.environments.formats.regions import MAX_POINTS
-from multisrt.geometry.errors import MapFormatError
+from multisrt.geometry.errors import MapFormatError, shortened, shown
 from multisrt.geometry.numerics.arrays import FloatArray
 
 if TYPE_CHECKING:
@@ -149,7 +150,7 @@ class Drawer:
             block = one.block()
             if block is None:
                 raise MapFormatError(
-                    f"{self._path} inserts the block {one.dxf.name[:40]!r}, which is not defined"
+                    f"{self._path} inserts the block {shown(one.dxf.name)}, which is not defined"
                 )
             inner = Matrix44.chain(one.matrix44(), matrix)
             yield from self._parts_in(block, inner, layer, role, depth + 1)
@@ -196,8 +197,8 @@ class Drawer:
             yield Part(layer, role, lines, [])
         else:
             raise MapFormatError(
-                f"{self._path}: the {kind[:40]} on the layer {layer[:40]!r} is not read; explode "
-                "it into lines, or hide its layer"
+                f"{self._path}: the {shortened(kind)} on the layer {shown(layer)} is not read; "
+                "explode it into lines, or hide its layer"
             )
 
     def _is_mesh(self, entity: Any) -> bool:
@@ -249,7 +250,7 @@ class Drawer:
             elif isinstance(command, Curve3To):
                 corners.append(command.ctrl)
             corners.append(command.end)
-        placed = np.array(self._place(matrix, corners))
+        placed = flushed(np.array(self._place(matrix, corners)))
         if not np.abs(placed).max() <= MAX_COORDINATE_M:
             raise MapFormatError(
                 f"{self._path} has a point further than {MAX_COORDINATE_M:g} m away; check the "

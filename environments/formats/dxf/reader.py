@@ -33,7 +33,7 @@ from multisrt.environments.formats.regions import (
     union_of,
 )
 from multisrt.extras import extra
-from multisrt.geometry.errors import MapFormatError
+from multisrt.geometry.errors import MapFormatError, reason_of
 
 if TYPE_CHECKING:
     from ezdxf.document import Drawing
@@ -134,11 +134,13 @@ def read_dxf(
     try:
         drawing = _loaded(path, ezdxf)
         scale = _metres_per_unit(path, drawing, resolution_m)
-        parts, starts = Drawer(path, drawing, scale).drawn()
+        # Points that are not finite are refused.
+        with np.errstate(all="ignore"):
+            parts, starts = Drawer(path, drawing, scale).drawn()
     except MapFormatError:
         raise
     except Exception as error:  # a damaged file makes the library raise almost anything
-        why = str(error)[:200] or "it ends too early, or parts of it are missing"
+        why = reason_of(error) if str(error) else "it ends too early, or parts of it are missing"
         raise MapFormatError(
             f"{path} is a damaged DXF file: {why}; copy it again, or open it and save it anew"
         ) from error

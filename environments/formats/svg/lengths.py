@@ -6,6 +6,8 @@ from typing import Final
 
 import numpy as np
 
+from multisrt.environments.cleaning import ZERO_M
+from multisrt.geometry.errors import shortened, shown
 from multisrt.geometry.numerics.arrays import FloatArray
 
 MAX_NUMBER: Final = 1e12
@@ -43,7 +45,7 @@ class SvgError(ValueError):
 
 
 def number(text: str) -> float:
-    """Return a number of at most `MAX_NUMBER`.
+    """Return a number of at most `MAX_NUMBER`; those nearer to 0 than `ZERO_M` are 0.
 
     Raises
     ------
@@ -55,8 +57,8 @@ def number(text: str) -> float:
     except ValueError:
         value = math.nan
     if not abs(value) <= MAX_NUMBER:
-        raise SvgError(f"{text[:40]!r} is not a number up to {MAX_NUMBER:g}")
-    return value
+        raise SvgError(f"{shown(text)} is not a number up to {MAX_NUMBER:g}")
+    return value if abs(value) >= ZERO_M else 0.0
 
 
 def numbers(text: str) -> list[float]:
@@ -76,7 +78,7 @@ def numbers(text: str) -> list[float]:
         at = found.end()
     if text[at:].strip(_SEPARATORS):
         raise SvgError(
-            f"{text[at : at + 40].strip()!r} is not part of a list of at most {MAX_NUMBERS:,} "
+            f"{shown(text[at : at + 40].strip())} is not part of a list of at most {MAX_NUMBERS:,} "
             "numbers"
         )
     return values
@@ -93,7 +95,7 @@ def length_and_unit(text: str) -> tuple[float, str]:
     found = _LENGTH.match(text) if len(text) <= MAX_LENGTH_CHARACTERS else None
     unit = found.group(2).lower() if found else ""
     if found is None or not (unit == "%" or unit in PX_PER_UNIT):
-        raise SvgError(f"{text[:40]!r} is not a length in px, mm, cm, in, pt, pc or %")
+        raise SvgError(f"{shown(text)} is not a length in px, mm, cm, in, pt, pc or %")
     return number(found.group(1)), unit
 
 
@@ -133,11 +135,11 @@ def matrix(text: str) -> FloatArray:
         if functions > MAX_FUNCTIONS:
             raise SvgError(f"a transform has more than {MAX_FUNCTIONS} functions")
         if found is None:
-            raise SvgError(f"{text[at : at + 40]!r} is not a transform")
+            raise SvgError(f"{shown(text[at : at + 40])} is not a transform")
         result = result @ _function(found.group(1), numbers(found.group(2)))
         at = found.end()
         if not np.abs(result).max() <= MAX_NUMBER:
-            raise SvgError(f"the transform {text[:40]!r} is beyond {MAX_NUMBER:g}")
+            raise SvgError(f"the transform {shown(text)} is beyond {MAX_NUMBER:g}")
     return result
 
 
@@ -161,7 +163,7 @@ def _function(name: str, values: list[float]) -> FloatArray:
             return np.array([[1, math.tan(math.radians(angle)), 0], [0, 1, 0], [0, 0, 1]])
         case "skewY", [angle]:
             return np.array([[1, 0, 0], [math.tan(math.radians(angle)), 1, 0], [0, 0, 1]])
-    raise SvgError(f"{name[:40]} with {len(values)} numbers is not a transform")
+    raise SvgError(f"{shortened(name)} with {len(values)} numbers is not a transform")
 
 
 def _moved(x: float, y: float) -> FloatArray:
@@ -198,7 +200,7 @@ def fitted(
     dx = dy = 0.0
     if words[0] != "none":
         if not re.fullmatch(r"x(Min|Mid|Max)Y(Min|Mid|Max)", words[0]):
-            raise SvgError(f"{aspect[:40]!r} is not a preserveAspectRatio")
+            raise SvgError(f"{shown(aspect)} is not a preserveAspectRatio")
         sx = sy = max(sx, sy) if "slice" in words[1:] else min(sx, sy)
         share = {"Min": 0.0, "Mid": 0.5, "Max": 1.0}
         dx = (width - sx * w) * share[words[0][1:4]]

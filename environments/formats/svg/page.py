@@ -11,6 +11,7 @@ from shapely import Polygon
 from multisrt.environments.formats.files import (
     RESOLUTION_OPTION,
     refuse_resolution,
+    require_length,
     require_resolution,
 )
 from multisrt.environments.formats.svg.lengths import (
@@ -21,7 +22,7 @@ from multisrt.environments.formats.svg.lengths import (
 )
 from multisrt.environments.formats.svg.tree import Document, view_box
 from multisrt.environments.formats.xml_text import Element
-from multisrt.geometry.errors import MapFormatError
+from multisrt.geometry.errors import MapFormatError, shown
 from multisrt.geometry.numerics.arrays import FloatArray
 
 MIN_REAL_SIZE_M: Final = 1.2
@@ -108,7 +109,7 @@ def page_of(document: Document, resolution_m: float | None) -> Page:
             raise SvgError("width and height are not both given, and positive")
         inner = fitted(box, w, h, aspect) if box else np.diag([_PX_M, _PX_M, 1.0])
         viewport = box[2:] if box else (w / _PX_M, h / _PX_M)
-        frame = shapely.box(0, 0, w, h)
+        frame = _frame(document, w, h)
         return Page(root, _flipped(h) @ inner, viewport, frame, _PX_M, "at its own size")
     scale = require_resolution(path, resolution_m, unit="user unit", least_m=MIN_RESOLUTION_M)
     said = f"at {scale:g} m per user unit"
@@ -120,7 +121,7 @@ def page_of(document: Document, resolution_m: float | None) -> Page:
             raise SvgError("width and height are positive")
     w, h = box[2] * scale, box[3] * scale
     px_m = w / px[0] if px[0] else h / px[1] if px[1] else scale
-    frame = shapely.box(0, 0, w, h)
+    frame = _frame(document, w, h)
     return Page(root, _flipped(h) @ fitted(box, w, h, "none"), box[2:], frame, px_m, said)
 
 
@@ -131,6 +132,13 @@ def _own_corner(root: Element) -> tuple[float, float] | None:
         if found:
             return float(found.group(1) or 0), float(found.group(2) or 0)
     return None
+
+
+def _frame(document: Document, width_m: float, height_m: float) -> Polygon:
+    place = document.place(document.root)
+    require_length(place, "the width of the page", width_m)
+    require_length(place, "the height of the page", height_m)
+    return shapely.box(0, 0, width_m, height_m)
 
 
 def _flipped(height: float) -> FloatArray:
@@ -146,7 +154,7 @@ def _size(root: Element, side: str) -> tuple[float, str] | None:
     if unit == "%":
         return None
     if value < 0:
-        raise SvgError(f"the {side} {text[:40]!r} is negative")
+        raise SvgError(f"the {side} {shown(text)} is negative")
     return value, unit
 
 

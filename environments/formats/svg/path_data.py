@@ -13,6 +13,7 @@ import numpy as np
 from multisrt.environments.formats.curves import arc_points, cubic_points
 from multisrt.environments.formats.regions import MAX_POINTS
 from multisrt.environments.formats.svg.lengths import NUMBER, SvgError, number
+from multisrt.geometry.errors import shown
 from multisrt.geometry.numerics.arrays import FloatArray
 
 ARGUMENTS: Final = {"M": 2, "L": 2, "H": 1, "V": 1, "C": 6, "S": 4, "Q": 4, "T": 2, "A": 7, "Z": 0}
@@ -67,7 +68,7 @@ def subpaths(data: str, tolerance: float) -> list[Subpath]:
                 raise SvgError(f"{command!r} is not a command of path data")
             at = _skip(data, at + 1)
         elif command in ("", "Z", "z"):
-            raise SvgError(f"path data have no command before {data[at : at + 20]!r}")
+            raise SvgError(f"path data have no command before {shown(data[at : at + 20])}")
         if not pen.has_begun and command not in "Mm":
             raise SvgError(f"path data begin with {command!r} and not with M")
         values = []
@@ -78,7 +79,7 @@ def subpaths(data: str, tolerance: float) -> list[Subpath]:
                 word = found.group()
             if word is None:
                 raise SvgError(
-                    f"path data have {data[at : at + 20]!r} where {command} needs a "
+                    f"path data have {shown(data[at : at + 20])} where {command} needs a "
                     + ("flag 0 or 1" if is_flag else "number")
                 )
             values.append(number(word))

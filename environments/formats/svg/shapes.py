@@ -9,12 +9,14 @@ import shapely
 from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
+from multisrt.environments.cleaning import flushed
 from multisrt.environments.environment import MAX_COORDINATE_M
 from multisrt.environments.formats.curves import FLATNESS_M, arc_points
 from multisrt.environments.formats.regions import FillRule, Pen, filled, sides_of_stroke, stroked
 from multisrt.environments.formats.svg.lengths import SvgError, length, numbers
 from multisrt.environments.formats.svg.path_data import Subpath, subpaths
 from multisrt.environments.formats.svg.tree import Drawn
+from multisrt.geometry.errors import shown
 from multisrt.geometry.numerics.arrays import FloatArray
 
 MIN_RADIUS_M: Final = 1e-6
@@ -68,7 +70,7 @@ def outline(drawn: Drawn) -> Outline:
     local = _local(drawn, FLATNESS_M / scale)
     metres = []
     for points, closed in local:
-        placed = points @ linear.T + drawn.matrix[:2, 2]
+        placed = flushed(points @ linear.T + drawn.matrix[:2, 2])
         if not np.abs(placed).max() <= MAX_COORDINATE_M:
             raise SvgError(f"a point is further than {MAX_COORDINATE_M:g} m away; check the scale")
         metres.append(Subpath(placed, closed))
@@ -111,7 +113,7 @@ def stroke_area(drawn: Drawn, lines: Outline, px_m: float) -> BaseGeometry:
     try:
         cap, join = CAPS[style["stroke-linecap"]], JOINS[style["stroke-linejoin"]]
     except KeyError as error:
-        raise SvgError(f"a stroke has no cap or join {error}") from error
+        raise SvgError(f"a stroke has no cap or join {shown(error.args[0])}") from error
     limit = max(numbers(style["stroke-miterlimit"])[:1] or [4.0])
     if radius_m < MIN_RADIUS_M:
         return Polygon()
@@ -163,7 +165,7 @@ def _stroke_radius(drawn: Drawn, lines: Outline, px_m: float) -> tuple[float, fl
 def _fill_rule(drawn: Drawn, name: str) -> FillRule:
     rule = drawn.style[name]
     if rule not in ("nonzero", "evenodd"):
-        raise SvgError(f"the {name} is {rule[:40]!r}; it must be nonzero or evenodd")
+        raise SvgError(f"the {name} is {shown(rule)}; it must be nonzero or evenodd")
     return cast(FillRule, rule)
 
 

@@ -7,7 +7,7 @@ from typing import Final, NamedTuple
 
 from multisrt.environments.formats.svg.lengths import SvgError, number
 from multisrt.environments.formats.xml_text import Element
-from multisrt.geometry.errors import MapFormatError
+from multisrt.geometry.errors import MapFormatError, shown
 
 INITIAL: Final = {
     "clip-rule": "nonzero",
@@ -103,7 +103,7 @@ class StyleSheet:
                 found = _SIMPLE.match(selector)
                 if found is None or not selector:
                     raise MapFormatError(
-                        f"{self._path}, line {sheet.line}: the style rule for {selector[:40]!r} is "
+                        f"{self._path}, line {sheet.line}: the style rule for {shown(selector)} is "
                         "not one of an element, a class or an identifier; save the drawing as "
                         "plain SVG, with attributes in place of rules"
                     )
@@ -262,7 +262,7 @@ def lightness_and_alpha(paint: str, color: str) -> tuple[float, float] | None:
         red, green, blue, *rest = ImageColor.getrgb(text[:100])
     except (ValueError, OverflowError) as error:
         raise SvgError(
-            f"the paint {paint[:40]!r} is not a plain colour such as #404040; give it one, or "
+            f"the paint {shown(paint)} is not a plain colour such as #404040; give it one, or "
             "name the layers of walls and free space"
         ) from error
     if rest:

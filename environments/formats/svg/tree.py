@@ -19,7 +19,7 @@ from multisrt.environments.formats.svg.lengths import (
 )
 from multisrt.environments.formats.svg.styles import INITIAL, StyleSheet, opacity
 from multisrt.environments.formats.xml_text import MAX_DEPTH, Element
-from multisrt.geometry.errors import MapFormatError
+from multisrt.geometry.errors import MapFormatError, shortened, shown
 from multisrt.geometry.numerics.arrays import FloatArray
 
 SVG_NAMESPACE: Final = "http://www.w3.org/2000/svg"
@@ -112,7 +112,9 @@ class Document:
 
     def __init__(self, path: Path, root: Element) -> None:
         if root.name != "svg" or not is_svg(root):
-            raise MapFormatError(f"{path} has the root {root.name[:40]}; the root of SVG is svg")
+            raise MapFormatError(
+                f"{path} has the root {shortened(root.name)}; the root of SVG is svg"
+            )
         self.path = path
         self.root = root
         elements = [one for one in _all_elements(root) if is_svg(one)]
@@ -126,7 +128,7 @@ class Document:
 
     def place(self, element: Element) -> str:
         """Return where an element is: the file and its line."""
-        return f"{self.path}, line {element.line}, <{element.name[:40]}>"
+        return f"{self.path}, line {element.line}, <{shortened(element.name)}>"
 
     def drawn(
         self, element: Element, transform: FloatArray, viewport: tuple[float, float]
@@ -216,7 +218,7 @@ class Document:
         if style["clip-path"] != "none":
             target = self._referred(style["clip-path"].removeprefix("url(").rstrip(") "))
             if target.name != "clipPath":
-                raise SvgError(f"the clip-path {style['clip-path'][:40]!r} is not a clipPath")
+                raise SvgError(f"the clip-path {shown(style['clip-path'])} is not a clipPath")
             if target.attributes.get("clipPathUnits", "userSpaceOnUse") != "userSpaceOnUse":
                 raise SvgError("a clipPath in units of the bounding box is not read")
             clip = Clip(target, context.matrix, style)
@@ -255,10 +257,10 @@ class Document:
     def _referred(self, href: str) -> Element:
         name = href.strip("\"' ")
         if not name.startswith("#"):
-            raise SvgError(f"{name[:40]!r} is in another file; draw it in this one")
+            raise SvgError(f"{shown(name)} is in another file; draw it in this one")
         target = self.by_id.get(name[1:])
         if target is None:
-            raise SvgError(f"there is no {name[:40]!r} in the file")
+            raise SvgError(f"there is no {shown(name)} in the file")
         return target
 
     def _in_svg(self, element: Element, context: _Context) -> _Context:
@@ -299,7 +301,7 @@ def view_box(element: Element) -> tuple[float, float, float, float] | None:
         return None
     values = numbers(text)
     if len(values) != 4 or not (values[2] > 0 and values[3] > 0):
-        raise SvgError(f"viewBox {text[:60]!r} is not x, y, width and height, both positive")
+        raise SvgError(f"viewBox {shown(text)} is not x, y, width and height, both positive")
     x, y, width, height = values
     return x, y, width, height
 

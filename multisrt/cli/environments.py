@@ -205,7 +205,20 @@ def export(
         save_environment(world, out, options=options, overwrite=force)
     if not quiet:
         _describe(world, environment)
-        click.echo(f"written to {' and '.join(map(str, files))}")
+        cells = _area_in_cells(world, cell_m) if "cell_m" in map_writer(out).options else ""
+        click.echo(f"written to {' and '.join(map(str, files))}{cells}")
+
+
+def _area_in_cells(world: Environment, cell_m: float | None) -> str:
+    """Return how much of a world is free in cells, after a colon; empty if that is all of it."""
+    from multisrt.exporting.map_content import MapContent
+    from multisrt.exporting.rasters import raster_of
+
+    raster = raster_of(MapContent(environment=world), cell_m)
+    in_cells, whole = area_text(raster.free_m2), area_text(world.area_m2)
+    if in_cells == whole:
+        return ""
+    return f": {in_cells} m2 of {whole} m2 free in cells of {raster.cell_m:g} m"
 
 
 def _describe(world: Environment, name: str) -> None:

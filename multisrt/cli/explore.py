@@ -145,8 +145,8 @@ Exit code:
 @click.option(
     "--starts",
     type=click.Choice(["scattered", "clustered", "random", "suggested"]),
-    help="Where robots start that --start does not place; suggested: by the map file.  "
-    "[default: scattered]",
+    help="Where robots without a start of their own (--start, --robot start=X,Y) start; suggested: "
+    "by the map file.  [default: scattered]",
 )
 @click.option(
     "--start",

@@ -38,8 +38,11 @@ DEGREES = frozenset({4258, 4267, 4269, 4326, 4979})
 FORM = "it must be POLYGON ((x y, x y, ...), ...), MULTIPOLYGON or GEOMETRYCOLLECTION"
 """Form of the text, for messages."""
 
+OPEN_RING = "closed linestring"
+"""What the parser's reason contains if a ring is open."""
+
 REMEDIES = {
-    "closed linestring": f"repeat the first position of every ring at its end, or {FIXING}",
+    OPEN_RING: f"repeat the first position of every ring at its end, or {FIXING}",
     "after end of geometry": "join several polygons as MULTIPOLYGON (((x y, ...)), ((x y, ...))) "
     "or GEOMETRYCOLLECTION",
 }
@@ -107,7 +110,7 @@ def _parsed(path: Path, *, repair: bool) -> tuple[BaseGeometry, Cleaning]:
             flat = shapely.force_2d(geometry)
     except (shapely.errors.ShapelyError, ValueError) as error:
         left = int(depth[-1]) if depth.size else 0
-        if left > 0 and "end of stream" in str(error):
+        if left > 0 and any(reason in str(error) for reason in ("end of stream", OPEN_RING)):
             raise MapFormatError(
                 f"{path} is cut off: it ends within {left} open "
                 f"parenthes{'i' if left == 1 else 'e'}s; copy or save the map again"

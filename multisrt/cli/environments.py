@@ -17,7 +17,7 @@ from multisrt.cli.reach import areas, around
 from multisrt.cli.run_options import world_of_options
 from multisrt.cli.tables import show as show_table
 from multisrt.cli.tables import table
-from multisrt.environments.area_text import area_text
+from multisrt.environments.area_text import area_text, extent_text
 from multisrt.environments.written_suffixes import READABLE_SUFFIXES, SUFFIXES
 
 if TYPE_CHECKING:
@@ -222,11 +222,8 @@ def _area_in_cells(world: Environment, cell_m: float | None) -> str:
 
 
 def _describe(world: Environment, name: str) -> None:
-    x0, y0, x1, y1 = world.bounds
-    click.echo(
-        f"{world.name}: {x1 - x0:.4g} x {y1 - y0:.4g} m, {area_text(world.area_m2)} m2 free, "
-        f"{len(world.edges)} edges, {areas(world)}"
-    )
+    extent = extent_text(world.bounds, world.area_m2)
+    click.echo(f"{world.name}: {extent}, {len(world.edges)} edges, {areas(world)}")
     if world.cleaning:
         click.echo(f"cleaned: {world.cleaning}")
     if world.layers is not None:

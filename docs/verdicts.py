@@ -116,7 +116,9 @@ def _paper(link: str, claims: list[Judged], *, is_earlier: bool) -> list[str]:
         texts = [claim.told for claim in claims if claim.verdict == verdict]
         is_short = verdict in ("holds", "does not hold") or len(texts) <= MAX_NAMED
         if texts:
-            lines.append(f"  - *{head}:* {' '.join(texts) if is_short else f'{len(texts)} claims.'}")
+            lines.append(
+                f"  - *{head}:* {' '.join(texts) if is_short else f'{len(texts)} claims.'}"
+            )
     return lines
 
 

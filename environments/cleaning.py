@@ -33,7 +33,11 @@ ARC_SEGMENTS: Final = 16
 """Segments of a quarter of a circle in the arcs of dilated and eroded areas."""
 
 ROUNDING_M: Final = 1e-6
-"""Gaps are closed if they are narrower than the stated width by more than this, in metres."""
+"""Lengths that differ by at most this count as equal, in metres.
+
+Gaps are closed if they are narrower than the stated width by more than this, and specks dropped if
+they are larger than the stated size by at most this.
+"""
 
 ZERO_M: Final = 1e-100
 """Coordinates whose absolute value is below this are 0, in metres."""
@@ -76,6 +80,8 @@ class Cleaning:
     straightened_m : float
         Upper bound, in metres, of the distance between the walls and the borders of the cells of
         a grid or an image.
+    notes : tuple of str
+        What else a reader left out of the file, or found in it that was probably not meant.
 
     Examples
     --------
@@ -100,13 +106,14 @@ class Cleaning:
     removed_starts: int = 0
     displacement_m: float = 0.0
     straightened_m: float = 0.0
+    notes: tuple[str, ...] = ()
 
     def __bool__(self) -> bool:
         """Return whether anything was changed."""
         return self != Cleaning()
 
     def __add__(self, other: Cleaning) -> Cleaning:
-        """Return the changes of both, one after the other; distances are added, too."""
+        """Return the changes of both, one after the other; distances are added, too, and notes joined."""
         summed = {
             field.name: getattr(self, field.name) + getattr(other, field.name)
             for field in fields(self)
@@ -151,7 +158,7 @@ class Cleaning:
                 f"{_counted(self.removed_starts, 'suggested start')} removed as not in free space",
             ),
         )
-        return "; ".join(text for happened, text in said if happened)
+        return "; ".join([*self.notes, *(text for happened, text in said if happened)])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -162,7 +169,7 @@ class CleaningOptions:
     ----------
     speck_m : float
         Parts of free space and obstacles are dropped if the longer side of their bounding box is
-        at most this, in metres.
+        at most this, in metres, but for rounding (`ROUNDING_M`).
     gap_m : float
         Passages between obstacles that are narrower than this are closed, in metres.
     tolerance_m : float
@@ -486,12 +493,15 @@ def _number_of_lines(geometry: BaseGeometry) -> int:
 
 def _without_specks(free: MultiPolygon, speck_m: float) -> tuple[MultiPolygon, Cleaning]:
     """Drop parts and holes with a small bounding box."""
+    if speck_m == 0.0:
+        return free, Cleaning()
+    largest = speck_m + ROUNDING_M
     parts = polygons_of(free)
-    large = _extents(parts) > speck_m
+    large = _extents(parts) > largest
     kept, obstacles, area = [], 0, float(shapely.area(parts[~large]).sum())
     for part in parts[large]:
         holes = np.asarray(part.interiors, np.object_)
-        stays = _extents(holes) > speck_m
+        stays = _extents(holes) > largest
         dropped = shapely.area(shapely.polygons(holes[~stays])).sum() if len(holes) else 0.0
         area += float(dropped)
         obstacles += int((~stays).sum())

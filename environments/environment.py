@@ -12,7 +12,7 @@ import shapely
 from shapely import MultiPolygon, Point, Polygon
 from shapely.geometry.base import BaseGeometry
 
-from multisrt.environments.area_text import area_text
+from multisrt.environments.area_text import extent_text
 from multisrt.environments.cleaning import (
     Cleaning,
     polygons_of,
@@ -60,6 +60,9 @@ class Environment:
         nowhere 1 mm wide are dropped here, and added to these changes.
     layers : Layers, optional
         Layers of the drawing that it was read from, if their names determine what is free.
+    outlined_obstacles : bool, optional
+        Whether obstacles may be drawn as outlines, whose insides are separate parts of free space
+        that are not to be explored.
 
     Raises
     ------
@@ -85,6 +88,7 @@ class Environment:
         origin: str = "",
         cleaning: Cleaning | None = None,
         layers: Layers | None = None,
+        outlined_obstacles: bool = False,
     ) -> None:
         free = without_denormals(free)
         _require_valid(free, name)
@@ -99,6 +103,7 @@ class Environment:
         self._free: MultiPolygon = free_space
         self._origin = origin
         self._layers = layers
+        self._outlined_obstacles = outlined_obstacles
         self._cleaning = dropped if cleaning is None else cleaning + dropped
         self._starts = tuple((float(x), float(y)) for x, y in starts)
         shapely.prepare(self._free)
@@ -188,6 +193,11 @@ class Environment:
         None if the world is not from a drawing that is read by the names of layers.
         """
         return self._layers
+
+    @property
+    def outlined_obstacles(self) -> bool:
+        """Whether separate parts may be insides of obstacles; not part of the digest."""
+        return self._outlined_obstacles
 
     @property
     def area_m2(self) -> float:
@@ -339,11 +349,8 @@ class Environment:
         )
 
     def __repr__(self) -> str:
-        x0, y0, x1, y1 = self.bounds
-        return (
-            f"Environment({self._name!r}, {x1 - x0:.4g} x {y1 - y0:.4g} m, "
-            f"{area_text(self.area_m2)} m2 free, {len(self.edges)} edges)"
-        )
+        extent = extent_text(self.bounds, self.area_m2)
+        return f"Environment({self._name!r}, {extent}, {len(self.edges)} edges)"
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Environment):

@@ -48,4 +48,5 @@ def fixed(environment: Environment, options: CleaningOptions) -> Environment:
         origin=environment.origin,
         cleaning=environment.cleaning + changed,
         layers=environment.layers,
+        outlined_obstacles=environment.outlined_obstacles,
     )

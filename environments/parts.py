@@ -83,7 +83,8 @@ def enclosing(environment: Environment) -> Enclosing | None:
     Returns
     -------
     Enclosing or None
-        Of several such parts, the one with the largest area inside.
+        Of several such parts, the one with the largest area inside. None if what is inside may be
+        obstacles (`Environment.outlined_obstacles`).
 
     Examples
     --------
@@ -96,6 +97,8 @@ def enclosing(environment: Environment) -> Enclosing | None:
     >>> around.area.area, [area.area for area in around.inside]
     (36.0, [36.0])
     """
+    if environment.outlined_obstacles:
+        return None
     border = environment.bounds
     found = []
     for part in environment.components:
@@ -164,7 +167,7 @@ def surrounding(environment: Environment) -> Enclosing | None:
     (True, [36.0])
     """
     careful = enclosing(environment)
-    if careful is not None:
+    if careful is not None or environment.outlined_obstacles:
         return careful
     border = shapely.box(*environment.bounds).exterior
     for part in environment.components:

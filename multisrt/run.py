@@ -347,6 +347,7 @@ def _start_configurations(given: Mapping[str, Any]) -> list[Sequence[float] | No
         return [None] * robots
     if len(places) != robots:
         raise InvalidInputError(
-            f"{len(places)} starts for {robots} robots: give one for each of them"
+            f"{len(places)} start{'s' * (len(places) != 1)} for {robots} "
+            f"robot{'s' * (robots != 1)}: give one for each of them"
         )
     return places

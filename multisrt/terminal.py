@@ -62,6 +62,7 @@ class LiveLine:
         self._bar: Any = None
         self._task: Any = None
         self._text: RewrittenText | None = None
+        self._told: list[str] = []
         self._written_s = 0.0
         self._logger: threading.Thread | None = None
         self._ends = threading.Event()
@@ -117,6 +118,17 @@ class LiveLine:
         """Change the note after the bar."""
         self.update(note=note)
 
+    def tell(self, line: str) -> None:
+        """Write a line that stays: on a terminal above the activity, elsewhere before it.
+
+        Where no line can be rewritten, it comes with the first line, after `FIRST_S` seconds. In a
+        notebook it is not shown.
+        """
+        if self._bar is None:
+            self._told.append(line)
+        else:
+            self._bar.console.print(line, markup=False, highlight=False, soft_wrap=True)
+
     def update(self, **shown: Any) -> None:
         """Change `description`, `total`, `completed` or `note`."""
         self._now |= shown
@@ -134,6 +146,9 @@ class LiveLine:
         pause_s, last = FIRST_S, ""
         while not self._ends.wait(pause_s):
             pause_s = EVERY_S
+            told, self._told = self._told, []
+            for line in told:
+                print(line, file=file, flush=True)
             if (line := self.logged()) != last:
                 print(line, file=file, flush=True)
                 last = line

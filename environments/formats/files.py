@@ -443,6 +443,7 @@ def build_environment(
     starts: FileStarts = NO_STARTS,
     cleaning: Cleaning | None = None,
     layers: Layers | None = None,
+    outlined_obstacles: bool = False,
 ) -> Environment:
     """Return the world of a file; its default name is that of the file without suffix.
 
@@ -450,7 +451,7 @@ def build_environment(
     ----------
     path : Path
         The file, for the name and for messages.
-    free, name, origin, cleaning, layers
+    free, name, origin, cleaning, layers, outlined_obstacles
         As for `Environment`.
     starts : FileStarts, optional
         The suggested starts.
@@ -461,18 +462,17 @@ def build_environment(
         If the free space is not valid, or a start is not in it.
     """
     name = path.stem if name is None else name
+    of_file: dict[str, Any] = {"layers": layers, "outlined_obstacles": outlined_obstacles}
     starts = starts.distinct()
     origin = escaped(origin)  # may hold names from the file
     try:
         return Environment(
-            name, free, starts=starts.points, origin=origin, cleaning=cleaning, layers=layers
+            name, free, starts=starts.points, origin=origin, cleaning=cleaning, **of_file
         )
     except InvalidInputError as error:
         if not starts.points:
             raise MapFormatError(f"{path}: {error}") from error
-    world = build_environment(
-        path, free, name=name, origin=origin, cleaning=cleaning, layers=layers
-    )
+    world = build_environment(path, free, name=name, origin=origin, cleaning=cleaning, **of_file)
     inside = [world.contains(*start) for start in starts.points]
     if not starts.repair:
         first = inside.index(False)
@@ -489,5 +489,5 @@ def build_environment(
         starts=[start for start, is_inside in zip(starts.points, inside, strict=True) if is_inside],
         origin=origin,
         cleaning=world.cleaning + Cleaning(removed_starts=inside.count(False)),
-        layers=layers,
+        **of_file,
     )

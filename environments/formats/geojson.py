@@ -63,10 +63,12 @@ def read_geojson(
     Geometry, Feature and FeatureCollection are read. The property ``kind``, or else ``type``, of a
     feature, in upper or lower case, states what it is:
 
-    - ``outline`` or ``free``, or neither property: a Polygon or MultiPolygon of free space with
-      obstacles as holes. Free space is the union of all of them.
+    - ``outline``, ``free`` or ``boundary``, or neither property: a Polygon or MultiPolygon of free
+      space with obstacles as holes. Free space is the union of all of them.
     - ``obstacle``: a Polygon or MultiPolygon that is subtracted from free space.
     - ``start``: a Point or MultiPoint of suggested starts, in the order of the file.
+
+    A feature whose geometry is null is left out, and counted in `Environment.cleaning`.
 
     Parameters
     ----------
@@ -125,7 +127,7 @@ def read_geojson(
             places=[place.text for place, _ in world.starts],
             repair=repair,
         ),
-        cleaning=world.cleaning + overlaps,
+        cleaning=_unlocated(world.unlocated) + world.cleaning + overlaps,
     )
 
 
@@ -150,6 +152,7 @@ class _World:
     obstacles: list[BaseGeometry] = field(default_factory=list)
     starts: list[tuple["_Place", tuple[float, float]]] = field(default_factory=list)
     cleaning: Cleaning = field(default_factory=Cleaning)
+    unlocated: int = 0
 
 
 def _refuse_degrees(place: _Place, document: object) -> None:
@@ -176,6 +179,8 @@ def _add(world: _World, place: _Place, item: object, kind: str, depth: int) -> N
                 if not isinstance(feature, dict) or feature.get("type") != "Feature":
                     raise there.error("this is not a Feature", "a collection holds only Features")
                 _add(world, there, feature, kind, depth + 1)
+        case "Feature" if "geometry" in item and item["geometry"] is None:
+            world.unlocated += 1  # RFC 7946, section 3.2
         case "Feature":
             own = _kind(place, item.get("properties"))
             _add(world, place, item.get("geometry"), own, depth + 1)
@@ -199,6 +204,11 @@ def _add(world: _World, place: _Place, item: object, kind: str, depth: int) -> N
                 "free space and obstacles are Polygon or MultiPolygon, starts are Point or "
                 'MultiPoint with "kind": "start"',
             )
+
+
+def _unlocated(number: int) -> Cleaning:
+    features = "1 feature" if number == 1 else f"{number} features"
+    return Cleaning(notes=(f"{features} without a place left out",) if number else ())
 
 
 def _kind(place: _Place, properties: object) -> str:

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import shapely
 
+from multisrt.environments.cleaning import Cleaning
 from multisrt.environments.environment import Environment
 from multisrt.environments.formats.files import (
     build_environment,
@@ -45,7 +46,8 @@ def read_map_server(
     mode ``trinary`` and partly occupied or, where transparent, unknown in the mode ``scale``;
     neither is free space here. As in the server, ``trinary`` includes alpha as a channel of the
     mean; ``scale`` ignores it and treats every transparent pixel as unknown. Pixels of 16 bits are
-    scaled to 255.
+    scaled to 255. An ``occupied_thresh`` below ``free_thresh``, which is probably a mistake, is
+    taken as it is, as in the server, and noted in `Environment.cleaning`.
 
     Parameters
     ----------
@@ -103,7 +105,19 @@ def read_map_server(
         shapely.transform(polygons, placed),
         name=name,
         origin=f"{path.name} with {entries['image']}, {resolution:g} m per pixel",
-        cleaning=straightened(polygons, resolution),
+        cleaning=_order_of_thresholds(occupied_thresh, free_thresh)
+        + straightened(polygons, resolution),
+    )
+
+
+def _order_of_thresholds(occupied_thresh: float, free_thresh: float) -> Cleaning:
+    if occupied_thresh >= free_thresh:
+        return Cleaning()
+    return Cleaning(
+        notes=(
+            f"occupied_thresh {occupied_thresh:g} is below free_thresh {free_thresh:g}: were they "
+            f"swapped? Read as ROS does, occupied above {occupied_thresh:g} and free below",
+        )
     )
 
 

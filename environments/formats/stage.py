@@ -172,6 +172,7 @@ def read_stage(
         origin="; ".join(told),
         starts=FileStarts(inside),
         cleaning=Cleaning(straightened_m=world.straightened_m),
+        outlined_obstacles=True,
     )
 
 

@@ -26,6 +26,26 @@ MAX_DEPTH = 16
 """Upper bound of nested parentheses, since the parser recurses without bound."""
 
 
+SRID = re.compile(r"\s*SRID\s*=\s*(\d{1,9})\s*;\s*", re.IGNORECASE | re.ASCII)
+"""The number of a reference system before a geometry, in extended well-known text."""
+
+DEGREES = frozenset({4258, 4267, 4269, 4326, 4979})
+"""Numbers (EPSG) of common reference systems of longitude and latitude."""
+
+FORM = "it must be POLYGON ((x y, x y, ...), ...), MULTIPOLYGON or GEOMETRYCOLLECTION"
+"""Form of the text, for messages."""
+
+OPEN_RING = "closed linestring"
+"""What the parser's reason contains if a ring is open."""
+
+REMEDIES = {
+    OPEN_RING: f"repeat the first position of every ring at its end, or {FIXING}",
+    "after end of geometry": "join several polygons as MULTIPOLYGON (((x y, ...)), ((x y, ...))) "
+    "or GEOMETRYCOLLECTION",
+}
+"""Remedies by what the parser's reason contains; for other reasons it is the `FORM`."""
+
+
 def read_wkt(
     path: Path,
     *,
@@ -35,6 +55,8 @@ def read_wkt(
     repair: bool = False,
 ) -> Environment:
     """Read free space from a POLYGON, MULTIPOLYGON or GEOMETRYCOLLECTION of them, in metres.
+
+    The number of a reference system, ``SRID=...;`` as PostGIS writes it, is skipped.
 
     Parameters
     ----------
@@ -51,8 +73,8 @@ def read_wkt(
     Raises
     ------
     MapFormatError
-        If the text is not such a geometry, or a ring is open or crosses itself, or a coordinate
-        is not finite.
+        If the text is not such a geometry or its end is missing, a ring is open or crosses itself,
+        a coordinate is not finite, or the reference system is longitude and latitude.
     """
     refuse_resolution(path, resolution_m)
     refuse_threshold(path, threshold)
@@ -71,7 +93,7 @@ def read_wkt(
 
 
 def _parsed(path: Path, *, repair: bool) -> tuple[BaseGeometry, Cleaning]:
-    text = read_text(path, max_bytes=MAX_POLYGON_BYTES)
+    text = _without_srid(path, read_text(path, max_bytes=MAX_POLYGON_BYTES))
     signs = np.frombuffer(text.encode(), np.uint8)
     depth = np.cumsum((signs == ord("(")).astype(np.int8) - (signs == ord(")")), dtype=np.int32)
     if depth.max(initial=0) > MAX_DEPTH:
@@ -84,12 +106,35 @@ def _parsed(path: Path, *, repair: bool) -> tuple[BaseGeometry, Cleaning]:
             geometry = shapely.from_wkt(text, on_invalid="fix" if repair else "raise")
             flat = without_denormals(shapely.force_2d(geometry))
     except (shapely.errors.ShapelyError, ValueError) as error:
-        reason = re.sub(r"^(Parse|IllegalArgument)Exception: ", "", reason_of(error))
-        raise MapFormatError(
-            f"{path} is not well-known text: {reason}; it must be POLYGON ((x y, x y, ...), ...), "
-            f"MULTIPOLYGON or GEOMETRYCOLLECTION, with every ring closed; for open rings, {FIXING}"
-        ) from error
+        left = int(depth[-1]) if depth.size else 0
+        if left > 0 and any(reason in str(error) for reason in ("end of stream", OPEN_RING)):
+            raise MapFormatError(
+                f"{path} is cut off: it ends within {left} open "
+                f"parenthes{'i' if left == 1 else 'e'}s; copy or save the map again"
+            ) from error
+        raise MapFormatError(f"{path} is not well-known text: {_reason(error)}") from error
     return flat, Cleaning(closed_rings=_open_rings(text) if repair else 0)
+
+
+def _without_srid(path: Path, text: str) -> str:
+    """Return a text without the number of its reference system; longitude and latitude fail."""
+    found = SRID.match(text)
+    if found is None:
+        return text
+    if int(found[1]) in DEGREES:
+        raise MapFormatError(
+            f"{path}: SRID={found[1]} is longitude and latitude; coordinates are metres; project "
+            "them first"
+        )
+    return text[found.end() :]
+
+
+def _reason(error: Exception) -> str:
+    """Return what the parser found, and what to do about it."""
+    # Looked for before the reason is shortened: it may cite the whole text.
+    remedies = [remedy for mistake, remedy in REMEDIES.items() if mistake in str(error)]
+    reason = re.sub(r"^(Parse|IllegalArgument)Exception: ", "", reason_of(error))
+    return f"{reason}; {(remedies or [FORM])[0]}"
 
 
 def _open_rings(text: str) -> int:
@@ -130,7 +175,7 @@ def _require_valid(path: Path, number: int, polygon: Polygon, *, repair: bool) -
 
 
 def _is_wkt(beginning: Beginning) -> bool:
-    pattern = r"\s*(POLYGON|MULTIPOLYGON|GEOMETRYCOLLECTION)\s*[Z(]"
+    pattern = rf"({SRID.pattern})?\s*(POLYGON|MULTIPOLYGON|GEOMETRYCOLLECTION)\s*[Z(]"
     return re.match(pattern, beginning.text, re.IGNORECASE) is not None
 
 

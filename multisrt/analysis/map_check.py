@@ -154,6 +154,8 @@ class MapCheck:
 
     def _problem_of_parts(self) -> str:
         share = self.main.area / self.environment.area_m2
+        if self.environment.outlined_obstacles and self.main is self.parts[0]:
+            return ""  # the others are insides of obstacles
         if self.given_starts or share >= MIN_MAIN_SHARE:  # a start that is given chooses its part
             return ""
         said = f"only {100.0 * share:.1f} % of free space is in one part with "

@@ -17,7 +17,7 @@ from multisrt.cli.reach import areas, around
 from multisrt.cli.run_options import world_of_options
 from multisrt.cli.tables import show as show_table
 from multisrt.cli.tables import table
-from multisrt.environments.area_text import area_text
+from multisrt.environments.area_text import area_text, extent_text
 from multisrt.environments.written_suffixes import READABLE_SUFFIXES, SUFFIXES
 
 if TYPE_CHECKING:
@@ -205,15 +205,25 @@ def export(
         save_environment(world, out, options=options, overwrite=force)
     if not quiet:
         _describe(world, environment)
-        click.echo(f"written to {' and '.join(map(str, files))}")
+        cells = _area_in_cells(world, cell_m) if "cell_m" in map_writer(out).options else ""
+        click.echo(f"written to {' and '.join(map(str, files))}{cells}")
+
+
+def _area_in_cells(world: Environment, cell_m: float | None) -> str:
+    """Return how much of a world is free in cells, after a colon; empty if that is all of it."""
+    from multisrt.exporting.map_content import MapContent
+    from multisrt.exporting.rasters import raster_of
+
+    raster = raster_of(MapContent(environment=world), cell_m)
+    in_cells, whole = area_text(raster.free_m2), area_text(world.area_m2)
+    if in_cells == whole:
+        return ""
+    return f": {in_cells} m2 of {whole} m2 free in cells of {raster.cell_m:g} m"
 
 
 def _describe(world: Environment, name: str) -> None:
-    x0, y0, x1, y1 = world.bounds
-    click.echo(
-        f"{world.name}: {x1 - x0:.4g} x {y1 - y0:.4g} m, {area_text(world.area_m2)} m2 free, "
-        f"{len(world.edges)} edges, {areas(world)}"
-    )
+    extent = extent_text(world.bounds, world.area_m2)
+    click.echo(f"{world.name}: {extent}, {len(world.edges)} edges, {areas(world)}")
     if world.cleaning:
         click.echo(f"cleaned: {world.cleaning}")
     if world.layers is not None:

@@ -145,8 +145,8 @@ Exit code:
 @click.option(
     "--starts",
     type=click.Choice(["scattered", "clustered", "random", "suggested"]),
-    help="Where robots start that --start does not place; suggested: by the map file.  "
-    "[default: scattered]",
+    help="Where robots without a start of their own (--start, --robot start=X,Y) start; suggested: "
+    "by the map file.  [default: scattered]",
 )
 @click.option(
     "--start",
@@ -439,6 +439,7 @@ def _run_all(
     live: LiveReplay | None,
     keep: Path | None,
 ) -> list[Run]:
+    from multisrt.environments.area_text import extent_text
     from multisrt.finished_run import RECORDING_NAME, RUN_NAME, SPEC_NAME, TREE_NAME, Run
     from multisrt.robots.registry import strategy
     from multisrt.simulation.simulate import simulate
@@ -453,6 +454,7 @@ def _run_all(
     with shown as progress:
         progress.say("reading the environment")
         world = build_environment(specs[0].environment)
+        progress.tell(f"{world.name}: {extent_text(world.bounds, world.area_m2)}")
         for spec, out in zip(specs, folders, strict=True):
             with run_folder(out, force=force, keep=keep) as folder, named_check(spec.strategy):
                 watch = progress.watcher(spec, world)

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from multisrt.cli.reach import MAX_AREAS, areas, around
-from multisrt.environments.area_text import area_text
+from multisrt.environments.area_text import area_text, extent_text
 
 if TYPE_CHECKING:
     from shapely import Polygon
@@ -48,19 +48,15 @@ def report(check: MapCheck) -> Iterator[str]:
     the passage at (4.07, 2.00) is 0.4 m wide: bodies up to 0.2 m in radius pass
     """
     world = check.environment
-    x0, y0, x1, y1 = world.bounds
     vertices = f"{len(world.edges)} vertices"
     if check.superfluous_vertices:
         vertices += f", {check.superfluous_vertices} of them on straight lines"
-    yield (
-        f"{world.name}: {x1 - x0:.4g} x {y1 - y0:.4g} m, {area_text(world.area_m2)} m2 free, "
-        f"{vertices}"
-    )
+    yield f"{world.name}: {extent_text(world.bounds, world.area_m2)}, {vertices}"
     if world.cleaning:
         yield f"cleaned: {world.cleaning}"
     if world.layers is not None:
         yield str(world.layers)
-    yield f"free space: {areas(world)}{_parts_of_starts(check)}"
+    yield f"free space: {areas(world)}{_parts_of_starts(check)}{_parts_of_obstacles(check)}"
     if said := around(world, check.main):
         yield said
     here = "it" if len(check.parts) == 1 else f"the part of {area_text(check.main.area)} m2"
@@ -95,6 +91,12 @@ def _parts_of_starts(check: MapCheck) -> str:
     return (
         f"; the {check.kind_of_start}s are in {'that' if len(used) == 1 else 'those'} of {sizes} m2"
     )
+
+
+def _parts_of_obstacles(check: MapCheck) -> str:
+    if len(check.parts) == 1 or not check.environment.outlined_obstacles:
+        return ""
+    return "; others may be the insides of obstacles drawn as outlines"
 
 
 def _listed_areas(found: Sequence[Polygon]) -> str:

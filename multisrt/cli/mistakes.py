@@ -14,6 +14,15 @@ from multisrt.geometry.errors import did_you_mean
 OTHERWISE = {"help": "--help", "version": "--version"}
 """Words that other programs take as commands."""
 
+OTHER_NAMES = {
+    "--limit": "--max-time",
+    "--time": "--max-time",
+    "--time-limit": "--max-time",
+    "--timeout": "--max-time",
+    "--duration": "--max-time",
+}
+"""Names that other programs give options, where a command has the option."""
+
 KINDS = {"a valid integer": "a whole number", "a valid float": "a number"}
 """Kinds of values, as click and as people call them."""
 
@@ -105,7 +114,10 @@ def _said(error: click.ClickException) -> str:
     if isinstance(error, click.NoSuchOption):
         known = [] if error.ctx is None else error.ctx.command.get_params(error.ctx)
         names = [name for parameter in known for name in parameter.opts if name.startswith("-")]
-        return f"there is no option {error.option_name}{did_you_mean(error.option_name, names)}"
+        said = f"there is no option {error.option_name}"
+        if (meant := OTHER_NAMES.get(error.option_name)) in names:
+            return f"{said} (did you mean {meant!r}?)"
+        return said + did_you_mean(error.option_name, names)
     if isinstance(error, click.MissingParameter):
         return f"{_named(error)} is missing"
     if isinstance(error, click.BadParameter):

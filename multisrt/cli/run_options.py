@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import re
+import shlex
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -120,6 +122,8 @@ def world_of_options(environment: str, given: Mapping[str, Any]) -> EnvironmentS
     """
     from multisrt.simulation.worlds import environment_spec
 
+    if os.path.isdir(environment):  # False where it may not be looked at, too
+        _require_no_run(environment)
     return environment_spec(
         environment,
         parameters=parameters_of(given["parameters"]),
@@ -127,6 +131,16 @@ def world_of_options(environment: str, given: Mapping[str, Any]) -> EnvironmentS
         threshold=given["threshold"],
         starts_from=given["starts_from"],
     )
+
+
+def _require_no_run(folder: str) -> None:
+    from multisrt.finished_run import RECORDING_NAME
+
+    if os.path.isfile(os.path.join(folder, RECORDING_NAME)):
+        raise InvalidInputError(
+            f"{folder} is the folder of a run and no map: 'multisrt export "
+            f"{shlex.quote(folder)} --what world --out world.geojson' writes its world as one"
+        )
 
 
 def options_of(texts: Iterable[str]) -> dict[str, Any]:
@@ -214,7 +228,8 @@ def _team(given: Mapping[str, Any]) -> tuple[RobotSpec, ...]:
         raise InvalidInputError(f"a team has at least one robot, not {count}")
     if places and len(places) != count:
         raise InvalidInputError(
-            f"{len(places)} starts for {count} robots: give --start for each of them, or for none"
+            f"{_counted(len(places), 'start')} for {_counted(count, 'robot')}: give --start for "
+            "each of them or for none; --robot start=X,Y gives one robot a start of its own"
         )
     if differing and len(differing) != count:
         raise InvalidInputError(
@@ -257,6 +272,10 @@ def _of_drive(usual: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any
             "drive=reeds-shepp or drive=dubins"
         )
     return {key: None if key == "turning-radius" and not is_car else usual[key] for key in usual}
+
+
+def _counted(number: int, what: str) -> str:
+    return f"{number} {what}{'s' * (number != 1)}"
 
 
 def _times(number: int) -> str:

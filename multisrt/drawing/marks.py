@@ -33,6 +33,7 @@ from multisrt.drawing.colours import (
 from multisrt.drawing.sheet import TEXT_MM, Sheet
 from multisrt.drawing.svg import child, text_width
 from multisrt.drawing.traces import Trace
+from multisrt.environments.own_pictures import LINES_TO_STARTS, TO_START
 from multisrt.events import Died
 from multisrt.geometry.numerics.kernel import FloatArray
 
@@ -138,7 +139,7 @@ def _draw_leaders(sheet: Sheet, traces: list[Trace], badges: list[Disc]) -> None
     ]
     if not moved:
         return
-    layer = sheet.layer("lines to starts")
+    layer = sheet.layer(LINES_TO_STARTS)
     for trace, badge in moved:
         styles = RobotStyles.of(trace.robot)
         line = sheet.pen.line([trace.start[:2], badge[:2]])
@@ -154,7 +155,11 @@ def _draw_badge(sheet: Sheet, trace: Trace, badge: Disc) -> None:
     styles = RobotStyles.of(trace.robot)
     style = styles.late_start if trace.late else styles.start
     layer = sheet.layer(f"robot {trace.robot}: start", style.scaled(radius_mm / BADGE_MM[1]))
-    child(layer, "path", d=sheet.pen.marker("pin", badge.x, badge.y, badge.radius, heading))
+    pin = child(layer, "path", d=sheet.pen.marker("pin", badge.x, badge.y, badge.radius, heading))
+    if badge[:2] != trace.start[:2]:
+        decimals = sheet.pen.decimals + 1
+        dx, dy = trace.start.x - badge.x, trace.start.y - badge.y
+        pin.set(TO_START, f"{dx:.{decimals}f} {dy:.{decimals}f}")
     number = str(trace.robot)
     size_mm = radius_mm * sheet.weight * _number_share(number)
     sheet.label(layer, number, (badge.x, badge.y), size_mm)

@@ -13,6 +13,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from multisrt.environments.own_pictures import START_SYMBOLS
 from multisrt.geometry.numerics.kernel import FloatArray
 
 Bounds = tuple[float, float, float, float]
@@ -62,12 +63,8 @@ CORNERS: dict[Marker, tuple[tuple[float, float], ...]] = {
         (-1.2, 0.15),
         (-0.8, 0.15),
     ),
-    # A disc with a tip in the direction of the heading.
-    "pin": (
-        *((math.cos(a), math.sin(a)) for a in (math.pi / 16 * n for n in range(3, 30))),
-        (1.6, 0.0),
-    ),
-    "arrow": ((1.3, 0.0), (-0.9, 0.9), (-0.4, 0.0), (-0.9, -0.9)),
+    "pin": START_SYMBOLS["pin"],
+    "arrow": START_SYMBOLS["arrow"],
 }
 """Corners of markers of size 1 around (0, 0)."""
 

@@ -11,7 +11,7 @@ from shapely import MultiLineString
 from shapely.geometry.base import BaseGeometry
 
 from multisrt.environments.environment import Environment
-from multisrt.exporting.grids import Cells
+from multisrt.exporting.grids import FREE_CELL, Cells
 from multisrt.exporting.options import require_cell_width
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.numerics.arrays import FloatArray
@@ -83,6 +83,11 @@ class Raster(NamedTuple):
     x0: float
     y0: float
     cell_m: float
+
+    @property
+    def free_m2(self) -> float:
+        """Area of the free cells, in square metres."""
+        return int(np.count_nonzero(self.cells == FREE_CELL)) * self.cell_m**2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

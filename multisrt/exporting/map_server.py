@@ -11,6 +11,7 @@ import numpy as np
 from multisrt.exporting.grids import FREE_CELL, OCCUPIED_CELL
 from multisrt.exporting.map_content import MapContent, MapOptions, Raster
 from multisrt.exporting.rasters import raster_of
+from multisrt.geometry.errors import InvalidInputError
 
 FREE_LEVEL, OCCUPIED_LEVEL, UNKNOWN_LEVEL = 254, 0, 205
 """Grey values of cells, as map_saver writes them."""
@@ -35,13 +36,19 @@ def map_server_files(content: MapContent, path: Path, options: MapOptions) -> di
     Raises
     ------
     InvalidInputError
-        If there would be too many pixels.
+        If there would be too many pixels, or none would be free.
 
     Notes
     -----
     Source: documentation and map_saver of map_server (ROS 1) and nav2_map_server (ROS 2).
     """
     raster = raster_of(content, options.cell_m)
+    if not raster.free_m2:
+        raise InvalidInputError(
+            f"cells of {raster.cell_m:g} m are too wide for {path.name}: none of the "
+            f"{raster.cells.shape[1]} x {raster.cells.shape[0]} cells would be free; choose "
+            "narrower cells"
+        )
     image = path.with_suffix(".pgm")
     lines = (
         f"image: {json.dumps(image.name, ensure_ascii=False)}",

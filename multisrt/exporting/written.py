@@ -15,7 +15,7 @@ def require_new(paths: Iterable[Path], *, overwrite: bool) -> None:
     """Raise an `InvalidInputError` if a file exists and may not be replaced, or is a folder."""
     for path in paths:
         if path.is_dir():
-            raise InvalidInputError(f"cannot write {path}: it is a folder; name a file")
+            raise _is_folder(path)
         if not overwrite and os.path.lexists(path):
             raise InvalidInputError(
                 f"{path} exists already; name another file, or replace it with overwrite=True"
@@ -58,12 +58,37 @@ def require_suffix(path: Path, known: Mapping[str, object], what: str) -> str:
     Raises
     ------
     InvalidInputError
-        If it is not a known suffix.
+        If it is not a known suffix, or the path is that of a folder.
+
+    Examples
+    --------
+    >>> require_suffix(Path("hall.txt"), {".yaml": "a map", ".yml": "a map", ".dxf": "DXF"}, "maps")
+    Traceback (most recent call last):
+    multisrt.geometry.errors.InvalidInputError: hall.txt: '.txt' is no format of maps; maps are \
+written as .yaml, .yml: a map; .dxf: DXF
     """
+    if path.is_dir():
+        raise _is_folder(path)
     suffix = path.suffix.lower()
     if suffix in known:
         return suffix
     said = f"{suffix!r} is no format of {what}" if suffix else "no suffix determines the format"
-    texts = [f"{one}: {text}" if isinstance(text, str) else one for one, text in known.items()]
     hint = did_you_mean(suffix, known)
-    raise InvalidInputError(f"{path}: {said}{hint}; {what} are written as {', '.join(texts)}")
+    raise InvalidInputError(f"{path}: {said}{hint}; {what} are written as {_listed(known)}")
+
+
+def _listed(known: Mapping[str, object]) -> str:
+    """Return suffixes with what describes them, which is said once for several of them."""
+    suffixes: dict[str, list[str]] = {}
+    for one, text in known.items():
+        suffixes.setdefault(f": {text}" if isinstance(text, str) else "", []).append(one)
+    joined = [", ".join(some) + text for text, some in suffixes.items()]
+    return (
+        "; ".join(joined)
+        if any(len(some) > 1 for some in suffixes.values())
+        else (", ".join(joined))
+    )
+
+
+def _is_folder(path: Path) -> InvalidInputError:
+    return InvalidInputError(f"cannot write {path}: it is a folder; name a file")

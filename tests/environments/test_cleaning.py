@@ -50,6 +50,11 @@ def test_nothing_changed_is_false_and_silent():
     assert Environment("hall", HALL).cleaning == Cleaning()
 
 
+def test_notes_come_first_and_are_joined():
+    both = Cleaning(notes=("a note",), closed_rings=1) + Cleaning(notes=("another",))
+    assert str(both) == "a note; another; 1 open ring closed"
+
+
 def test_cleanings_add_up():
     one = Cleaning(closed_rings=1, dropped_m2=0.5)
     two = Cleaning(closed_rings=2, displacement_m=0.25)
@@ -184,6 +189,20 @@ def test_specks_are_dropped_by_their_extent():
     assert (cleaning.dropped_parts, cleaning.dropped_obstacles) == (1, 1)
     assert cleaning.dropped_m2 == pytest.approx(0.04 * 0.03 + 0.04**2)
     assert len(space.geoms[0].interiors) == 1
+
+
+@pytest.mark.parametrize("cells", [1, 2, 3, 6, 7])
+@pytest.mark.parametrize("cell_m", [0.05, 0.1, 0.3])
+def test_specks_of_exactly_the_size_are_dropped(cells, cell_m):
+    # Sides of cells are differences of multiples, some of which are a little too large.
+    specks = [
+        box(k * cell_m, 1.0, (k + cells) * cell_m, 1.0 + cell_m) for k in range(1, 60, 2 * cells)
+    ]
+    hall = box(0, 0, 200 * cell_m, 6) - shapely.union_all(specks)
+    kept, _ = cleaned(hall, CleaningOptions(speck_m=cells * cell_m))
+    assert len(kept.geoms[0].interiors) == 0
+    larger, _ = cleaned(hall, CleaningOptions(speck_m=cells * cell_m - 1e-3))
+    assert len(larger.geoms[0].interiors) == len(specks)
 
 
 def test_vertices_on_straight_lines_go_and_corners_stay():

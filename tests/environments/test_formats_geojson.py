@@ -1,11 +1,13 @@
 import json
 import re
+from pathlib import Path
 
 import pytest
 import shapely
 
 from multisrt.analysis.map_check import check_map
 from multisrt.environments.formats import read_environment
+from multisrt.environments.formats.geojson import KINDS
 from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.errors import InvalidInputError, MapFormatError
 from multisrt.simulation.starts import starts_of
@@ -132,7 +134,7 @@ def test_bad_coordinate_is_placed(read, bad):
             "kind is 'wall'; it must be one of outline",
         ),
         (collection(feature(polygon(HALL), kind=[1])), "kind is a list of 1"),
-        (collection(feature(None)), "feature 1: expected a GeoJSON object, found None"),
+        (collection(feature(None)), "there is no free space"),
         (collection(polygon(HALL)), "feature 1: this is not a Feature"),
         (collection(), "no free space"),
         (collection(feature(polygon(HALL), kind="obstacle")), "no free space"),
@@ -182,3 +184,29 @@ def test_options_of_images_are_refused(read):
         read(polygon(HALL), resolution_m=0.1)
     with pytest.raises(MapFormatError, match="leave out --threshold"):
         read(polygon(HALL), threshold=0.5)
+
+
+def test_features_without_a_place_are_left_out_and_counted(read):
+    nowhere = feature(None, kind="obstacle"), feature(None, name="a road", type="road")
+    world = read(collection(nowhere[0], feature(polygon(HALL, BLOCK)), nowhere[1]))
+    assert world.free.equals(WITH_A_HOLE)
+    assert str(world.cleaning) == "2 features without a place left out"
+    one = read(collection(feature(polygon(HALL, BLOCK)), nowhere[0]))
+    assert str(one.cleaning) == "1 feature without a place left out"
+    with pytest.raises(MapFormatError, match="there is no free space"):
+        read(collection(*nowhere))
+
+
+def test_a_feature_that_has_no_member_geometry_is_an_error(read):
+    with pytest.raises(MapFormatError, match="feature 2: expected a GeoJSON object, found None"):
+        read(collection(feature(polygon(HALL)), {"type": "Feature", "properties": None}))
+
+
+def test_kinds_of_documentation_and_message_are_those_that_are_read(read):
+    with pytest.raises(MapFormatError, match="must be one of outline, free, boundary, obstacle, s"):
+        read(feature(polygon(HALL), kind="house"))
+    page = Path(__file__).resolve().parents[2] / "docs" / "formats.md"
+    (said,) = re.findall(r"^- \*\*GeoJSON\*\*: (.*)$", page.read_text("utf-8"), re.MULTILINE)
+    assert re.findall(r"`(\w+)`", said.partition("Coordinates")[0]) == ["kind", *KINDS]
+    for kind in ("outline", "free", "boundary"):
+        assert read(feature(polygon(HALL), kind=kind)).area_m2 == 80.0

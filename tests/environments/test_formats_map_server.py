@@ -247,3 +247,14 @@ def test_large_yaml_and_other_encodings_are_refused(tmp_path):
     path.write_bytes("image: größe.pgm".encode("latin-1"))
     with pytest.raises(MapFormatError, match="not UTF-8 text: byte 9 is 0xf6"):
         read_environment(path)
+
+
+def test_swapped_thresholds_are_read_as_ros_does_and_told(room):
+    world = read_environment(write_yaml(room, occupied_thresh=0.25, free_thresh=0.65))
+    # Unknown pixels have the occupancy 50/255: not above one, and below the other.
+    assert world.free.equals(shapely.box(0, 0, 5, 4) - shapely.box(0, 2, 4, 3))
+    assert "occupied_thresh 0.25 is below free_thresh 0.65: were they swapped?" in str(
+        world.cleaning
+    )
+    assert not read_environment(write_yaml(room)).cleaning
+    assert not read_environment(write_yaml(room, free_thresh=0.3, occupied_thresh=0.3)).cleaning

@@ -10,8 +10,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
 
+from multisrt.analysis.map_check import check_map
+from multisrt.cli.map_report import report
+from multisrt.environments.cleaning import CleaningOptions
+from multisrt.environments.fixing import fixed
 from multisrt.environments.formats import files, read_environment, stage
 from multisrt.environments.formats.map_format import Beginning
+from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.errors import MapFormatError
 
 MAPS = Path(__file__).resolve().parents[2].parent / "shared" / "maps"
@@ -461,3 +466,26 @@ def test_public_world_has_each_pixel_in_place(
     block |= np.hypot(x + 24.269, y - 48.001) < 0.5
     assert not (wrong & ~block).any()
     assert len(found.starts) == robots
+
+
+def test_insides_of_outlined_obstacles_are_no_problem_and_no_building(read, tmp_path):
+    pixels = np.full((60, 80), 255, np.uint8)
+    pixels[[0, -1]] = pixels[:, [0, -1]] = 0
+    for x in (10, 45):
+        pixels[15:45, x : x + 25] = 0
+        pixels[16:44, x + 1 : x + 24] = 255
+    Image.fromarray(pixels).save(tmp_path / "blocks.png")
+    world = read('model ( bitmap "blocks.png" size [16 12 1] ) position ( pose [0 5 0 0] )')
+    assert len(world.components) == 3
+    assert world.outlined_obstacles
+    assert not read_environment(tmp_path / "blocks.png", resolution_m=0.2).outlined_obstacles
+    for one in (world, fixed(world, CleaningOptions())):
+        check = check_map(one, Footprint.disc(0.25))
+        assert check.problems == ()
+        assert check.around is None
+        assert (
+            "; others may be the insides of obstacles drawn as outlines" in list(report(check))[1]
+        )
+    # A robot that starts inside of an obstacle explores little: that is a problem.
+    lost = read('model ( bitmap "blocks.png" size [16 12 1] ) position ( pose [-4 0 0 0] )')
+    assert "only " in check_map(lost, Footprint.disc(0.25)).problems[0]

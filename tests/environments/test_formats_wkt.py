@@ -27,6 +27,8 @@ WORLD = shapely.box(0, 0, 4, 4) - shapely.box(1, 1, 2, 2)
         f"MULTIPOLYGON ({SQUARE})",
         f"GEOMETRYCOLLECTION (POLYGON {SQUARE})",
         f"GEOMETRYCOLLECTION (POLYGON EMPTY, GEOMETRYCOLLECTION (MULTIPOLYGON ({SQUARE})))",
+        f"SRID=32633;POLYGON {SQUARE}",
+        f" srid = 7 ;\nMULTIPOLYGON ({SQUARE})",
         "POLYGON Z ((0 0 9, 4 0 9, 4 4 9, 0 4 9, 0 0 9), (1 1 9, 1 2 9, 2 2 9, 2 1 9, 1 1 9))",
     ],
 )
@@ -48,12 +50,20 @@ def test_parts_are_united_or_stay_apart(read):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("POLYGON ((0 0, 4 0, 4 4, 0 0)", "is not well-known text: .*xpected"),
-        ("POLYGON ((0 0, 4 0, 4 4, 0 0)) POLYGON", "is not well-known text"),
-        ("POLYGON ((0 0, 4 0, 4 4, 0 4))", "is not well-known text: .*closed"),
+        ("POLYGON ((0 0, 4 0, 4 4, 0 0)", r"is cut off: it ends within 1 open parenthesis; copy"),
+        ("POLYGON ((0 0, 4 0, 4 4, 0", r"is cut off: it ends within 2 open parentheses; copy"),
+        ("POLYGON ((0 0, 4 0, 4 4)", r"is cut off: it ends within 1 open parenthesis; copy"),
+        (
+            "POLYGON ((0 0, 4 0, 4 4, 0 0)) POLYGON ((9 0, 9 1, 8 1, 9 0))",
+            r"is not well-known text: Unexpected text .*; join several polygons as MULTIPOLYGON",
+        ),
+        ("POLYGON ((0 0, 4 0, 4 4, 0 4))", "is not well-known text: .*closed.*; repeat.*--fix"),
+        ("hello ((", r"is not well-known text: .*HELLO.*; it must be POLYGON \(\(x y, x y"),
         ("POLYGON ((0 0, 4 0, 0 0))", "is not well-known text|not valid"),
         ("POLYGON ((0 0, 4 zero, 4 4, 0 0))", "is not well-known text"),
-        ("SRID=4326;POLYGON ((0 0, 4 0, 4 4, 0 0))", "is not well-known text"),
+        ("SRID=4326;POLYGON ((0 0, 4 0, 4 4, 0 0))", "SRID=4326 is longitude and latitude"),
+        ("SRID=;POLYGON ((0 0, 4 0, 4 4, 0 0))", "is not well-known text"),
+        ("SRID=7;", "is not well-known text"),
         ("hello", "is not well-known text"),
         (
             "POLYGON ((0 0, 9 0, 9 9, 0 0), (5 1, nan 2, 6 2, 5 1))",
@@ -82,3 +92,16 @@ def test_options_of_images_are_refused(read):
         read(f"POLYGON {SQUARE}", resolution_m=0.1)
     with pytest.raises(MapFormatError, match="leave out --threshold"):
         read(f"POLYGON {SQUARE}", threshold=0.5)
+
+
+def test_extended_text_is_recognised_whatever_the_suffix(tmp_path):
+    path = tmp_path / "world.txt"
+    path.write_text(f"SRID=32633;POLYGON {SQUARE}")
+    assert read_environment(path).free.equals(WORLD)
+
+
+def test_only_rings_that_are_open_are_said_to_be_fixed(read):
+    for text in ("POLYGON ((0 0, 4 0", "POLYGON ((0 0, 1 0, 1 1, 0 0)) x", "POLYGON (0 0)"):
+        with pytest.raises(MapFormatError) as error:
+            read(text)
+        assert "--fix" not in str(error.value)

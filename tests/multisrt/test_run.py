@@ -201,7 +201,7 @@ def test_a_complete_radio(spec_of):
         ({"robots": 0}, "at least one robot, not 0"),
         ({"robots": 2, "start": (1, 1)}, "give starts"),
         ({"robots": 2, "starts": [(1, 1)] * 3}, "3 starts for 2 robots"),
-        ({"robots": 1, "starts": []}, "0 starts for 1 robots"),
+        ({"robots": 1, "starts": []}, "0 starts for 1 robot: "),
         ({"starts": []}, "at least one robot, not 0"),
         ({"robots": []}, "at least one robot"),
         ({"robots": 2.5}, r"a number or a sequence of RobotSpec, not 2\.5"),

@@ -57,6 +57,8 @@ class Page(NamedTuple):
         Metres per CSS pixel.
     scale : str
         The scale in words.
+    is_own : bool
+        Whether the document is a picture of this package.
     """
 
     element: Element
@@ -65,6 +67,7 @@ class Page(NamedTuple):
     frame: Polygon | None
     px_m: float
     scale: str
+    is_own: bool = False
 
 
 def page_of(document: Document, resolution_m: float | None) -> Page:
@@ -93,7 +96,7 @@ def page_of(document: Document, resolution_m: float | None) -> Page:
         viewport = box[2:] if box else (0.0, 0.0)
         x, y = corner
         placed = np.array([[1, 0, x], [0, 1, y], [0, 0, 1.0]])
-        return Page(own, placed, viewport, None, 1.0, "in metres")
+        return Page(own, placed, viewport, None, 1.0, "in metres", is_own=True)
     width, height = sizes["width"], sizes["height"]
     aspect = root.attributes.get("preserveAspectRatio", "xMidYMid meet")
     px = [None if one is None else one[0] * PX_PER_UNIT[one[1]] for one in (width, height)]

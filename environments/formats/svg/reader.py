@@ -40,10 +40,12 @@ from multisrt.environments.formats.svg.shapes import (
     stroke_area,
     stroke_sides,
 )
+from multisrt.environments.formats.svg.start_places import start_places
 from multisrt.environments.formats.svg.styles import lightness_and_alpha, opacity
 from multisrt.environments.formats.svg.tree import Document, Drawn
 from multisrt.environments.formats.xml_text import read_xml, root_name
 from multisrt.environments.layers import Layers
+from multisrt.environments.own_pictures import is_own_layer
 from multisrt.geometry.errors import MapFormatError
 from multisrt.geometry.numerics.arrays import FloatArray
 
@@ -77,7 +79,7 @@ def read_svg(
     only shapes with a role count. Free space is the area of the free shapes, or else the page,
     minus the areas of obstacles and the painted areas of walls (fills, and strokes at their
     width). Painted areas of doors are openings in walls. The centre of each subpath of a start is
-    a suggested start.
+    a suggested start (in pictures of runs, the centre of the symbol without its tip).
 
     **By lightness.** Without such names, free space is the page where its topmost paint is lighter
     than the threshold, and where nothing is painted. Text and dashed lines, by which plans show
@@ -185,7 +187,8 @@ class _Plan:
             self.layers = layers_of(
                 (one.named if one.role else one.layer, one.role)
                 for one in shapes
-                if one.role is not None or _is_visible(one)
+                if one.role is not None
+                or (_is_visible(one) and not (page.is_own and is_own_layer(one.layer)))
             )
             shapes = [one for one in shapes if one.role is not None]
         self._clipper = Clipper(document)
@@ -231,14 +234,17 @@ class _Plan:
             )
 
     def starts(self, *, repair: bool) -> FileStarts:
-        """Return the centres of the subpaths of starts, from the corner that is the origin."""
-        points, places = [], []
+        """Return the suggested starts, from the corner that is the origin."""
+        points: list[tuple[float, float]] = []
+        places: list[str] = []
         for one, lines in self._shapes:
             if one.role is Role.START:
-                for subpath, _ in lines.metres:
-                    x, y = (subpath.min(axis=0) + subpath.max(axis=0)) / 2 - self.corner
-                    points.append((float(x), float(y)))
-                    places.append(self._document.place(one.element))
+                try:
+                    found = start_places(one, lines)
+                except SvgError as error:
+                    raise self._document.wrong(one.element, error) from error
+                points += [(x - self.corner[0], y - self.corner[1]) for x, y in found]
+                places += [self._document.place(one.element)] * len(found)
         return FileStarts(points, places, repair)
 
     def free_by_names(self) -> BaseGeometry:

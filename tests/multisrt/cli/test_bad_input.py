@@ -98,6 +98,7 @@ def bad_worlds(folder: Path) -> None:
         (["room.wkt", "--drive", "dubins", "--turning-radius", "0"], "--turning-radius"),
         (["room.wkt", "--robots", "0"], "at least one robot"),
         (["room.wkt", "--robots", "3", "--start", "1,1", "--start", "2,2"], "2 starts for 3"),
+        (["room.wkt", "--robots", "2", "--start", "1,1"], "1 start for 2 robots: give --start for"),
         (["room.wkt", "--robots", "1", "--robot", "range=2", "--robot", "range=3"], "2 times"),
         (["room.wkt", "--robots", "4", "--robot", "range=2"], "is given once for 4"),
         (["room.wkt", "--range", "2", "--robot", "range=3"], "--range is used by no robot"),

@@ -1,6 +1,7 @@
 import re
 import xml.etree.ElementTree as ET
 
+import numpy as np
 import pytest
 from PIL import Image
 
@@ -100,6 +101,8 @@ def test_environments_export_keeps_world_and_starts(call, folder):
         ),
         (["office", "--out", "none/x.yaml"], "cannot write none/x.yaml: there is no folder none"),
         (["nowhere", "--out", "x.yaml"], "nowhere"),
+        (["office", "--out", "."], "cannot write .: it is a folder; name a file"),
+        (["room.wkt", "--out", "x.yaml", "--cell", "20"], "cells of 20 m are too wide for x.yaml"),
     ],
 )
 def test_environments_export_refuses_bad_input(call, folder, words, named):
@@ -205,4 +208,25 @@ def test_worlds_that_are_not_there_are_told_plainly(call, folder, world, said):
         code, out, err = call(*command, world, *options)
         assert (code, out) == (2, "")
         assert said in err
+        assert err.count("\n") == 1
+
+
+def test_export_to_cells_tells_how_much_of_the_world_is_free_in_them(call, folder):
+    code, out, _ = call("environments", "export", "pillar.wkt", "--out", "p.yaml", "--cell", "0.5")
+    assert code == 0
+    assert out.endswith("written to p.yaml and p.pgm\n")  # walls are at multiples of 0.5 m
+    code, out, _ = call("environments", "export", "pillar.wkt", "--out", "q.yaml", "--cell", "0.8")
+    assert code == 0
+    levels = np.asarray(Image.open(folder / "q.pgm"))
+    in_cells = 0.64 * np.count_nonzero(levels == 254)
+    assert f"q.pgm: {in_cells:.4g} m2 of 50 m2 free in cells of 0.8 m\n" in out
+
+
+def test_the_folder_of_a_run_is_told_from_a_map(call, folder):
+    (folder / "my run").mkdir()
+    (folder / "my run" / "recording.jsonl").write_text("")
+    for command in (["environments", "export", "--out", "z.wkt"], ["explore"]):
+        code, out, err = call(*command, "my run")
+        assert (code, out) == (2, "")
+        assert "'multisrt export 'my run' --what world --out world.geojson' writes" in err
         assert err.count("\n") == 1

@@ -148,7 +148,7 @@ def test_fix_writes_what_can_be_read_again(call, folder, name):
     before = everything(folder)
     code, out, err = call("environments", "check", "room.wkt", "--fix", name)
     assert (code, out) == (2, "")
-    assert "; repaired copies are written as .yaml: ROS map server, " in err
+    assert "; repaired copies are written as .yaml, .yml: ROS map server; " in err
     assert "STL" not in err
     assert everything(folder) == before
 

@@ -22,6 +22,8 @@ from tests.multisrt.cli.commands import everything
             ["explore", "office", "--stratgy", "x"],
             "no option --stratgy (did you mean '--strategy'?)",
         ),
+        (["explore", "office", "--limit", "5"], "no option --limit (did you mean '--max-time'?)"),
+        (["explore", "office", "--duration", "5"], "(did you mean '--max-time'?)"),
         (["explore", "office", "--drive", "dubin"], "dubins (did you mean 'dubins'?)"),
         (["explore", "office", "--robots", "four"], "--robots: 'four' is not a whole number"),
         (["explore", "office", "--range", "far"], "--range: 'far' is not a number"),

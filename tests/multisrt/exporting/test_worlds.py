@@ -6,7 +6,7 @@ import shapely
 
 import multisrt as ms
 from multisrt.environments import read_environment
-from multisrt.exporting import save_environment
+from multisrt.exporting import MapOptions, save_environment
 
 TWO_ROOMS = ms.Environment(
     "two rooms",
@@ -83,3 +83,17 @@ def test_worlds_as_small_as_degrees_are_refused(tmp_path):
         save_environment(tiny, tmp_path / "tiny.geojson")
     save_environment(tiny, tmp_path / "tiny.wkt")
     assert read_environment(tmp_path / "tiny.wkt").digest == tiny.digest
+
+
+def test_cells_so_wide_that_none_is_free_are_refused(tmp_path):
+    hall = ms.Environment("hall", shapely.box(0, 0, 12, 8) - shapely.box(5, 3, 7, 5))
+    with pytest.raises(ms.InvalidInputError, match=r"cells of 20 m are too wide for h\.yaml: none"):
+        save_environment(hall, tmp_path / "h.yaml", options=MapOptions(cell_m=20.0))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_suffixes_of_one_format_are_listed_together(tmp_path):
+    with pytest.raises(ms.InvalidInputError, match=r"\.yaml, \.yml: ROS map server; \.geojson, "):
+        save_environment(TWO_ROOMS, tmp_path / "rooms.png")
+    with pytest.raises(ms.InvalidInputError, match="it is a folder; name a file"):
+        save_environment(TWO_ROOMS, tmp_path)

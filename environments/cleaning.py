@@ -113,7 +113,7 @@ class Cleaning:
         return self != Cleaning()
 
     def __add__(self, other: Cleaning) -> Cleaning:
-        """Return the changes of both, one after the other; distances are added, too, and notes joined."""
+        """Return the changes of both: distances are added, too, and notes joined."""
         summed = {
             field.name: getattr(self, field.name) + getattr(other, field.name)
             for field in fields(self)

@@ -187,6 +187,13 @@ def _add(world: _World, place: _Place, item: object, kind: str, depth: int) -> N
         case "GeometryCollection":
             for number, geometry in enumerate(_list(place, item, "geometries"), start=1):
                 _add(world, place.at("geometry", number), geometry, kind, depth + 1)
+        case _:
+            _add_geometry(world, place, item, kind)
+
+
+def _add_geometry(world: _World, place: _Place, item: dict[str, object], kind: str) -> None:
+    """Add a single geometry to the world."""
+    match item.get("type"):
         case "Polygon" if kind != "start":
             _add_polygon(world, place, _list(place, item, "coordinates"), kind)
         case "MultiPolygon" if kind != "start":

@@ -12,7 +12,7 @@ from multisrt.drawing import map_check_svg, tree_svg
 from multisrt.environments.environment import Environment
 from multisrt.environments.formats import read_environment
 from multisrt.geometry.bodies.footprint import Footprint
-from tests.multisrt.drawing.recordings import A, C, E, HALL, end, motion, node, recorded
+from tests.multisrt.drawing.recordings import HALL, A, C, E, end, motion, node, recorded
 
 HEADINGS = [0.0, 1.0, math.pi / 2, -2.5]
 

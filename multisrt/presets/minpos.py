@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import chain
 
@@ -122,7 +122,7 @@ def _faster(both: BothTimes) -> list[Judged]:
     return found
 
 
-def _by_world(comparisons: Mapping[str, Sequence[Comparison]], quantity: Quantity) -> Family:
+def _by_world(comparisons: Mapping[str, list[Comparison]], quantity: Quantity) -> Family:
     """Return the family of all comparisons, whose parts are those in each world."""
     whole = Family(comparisons=[*chain.from_iterable(comparisons.values())], quantity=quantity)
     return replace(

@@ -107,9 +107,12 @@ def end(time_s: float, robot: int, frontier: tuple[Segment, ...] = ()) -> Ended:
 
 
 def recorded(
-    starts: Sequence[Place], events: Sequence[AnyEvent], world: Environment = HALL, **spec: Any
+    starts: Sequence[Place | tuple[float, float, float]],
+    events: Sequence[AnyEvent],
+    world: Environment = HALL,
+    **spec: Any,
 ) -> Recording:
-    """Return the recording of a team whose events are given."""
+    """Return the recording of a team whose events are given; starts may have headings."""
     robots = tuple(RobotSpec(start=start) for start in starts)
     run_spec = RunSpec(environment=inline(world), robots=robots, **spec)
     header = header_of(run_spec, world, tuple(Configuration(*start) for start in starts))

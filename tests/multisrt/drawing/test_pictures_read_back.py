@@ -11,6 +11,7 @@ from multisrt.analysis.map_check import check_map
 from multisrt.drawing import map_check_svg, tree_svg
 from multisrt.environments.environment import Environment
 from multisrt.environments.formats import read_environment
+from multisrt.events import AnyEvent
 from multisrt.geometry.bodies.footprint import Footprint
 from tests.multisrt.drawing.recordings import HALL, A, C, E, end, motion, node, recorded
 
@@ -25,7 +26,7 @@ def read(folder, svg):
 
 def pictured(starts, world=HALL):
     """Return the picture of robots that each made a node and a motion."""
-    events = []
+    events: list[AnyEvent] = []
     for robot, place in enumerate([A, C, E, (6.0, 6.0)][: len(starts)]):
         events += [node(0.0, robot, 0, place), motion(1.0, robot, place, (place[0], 1.0))]
         events.append(end(5.0, robot))

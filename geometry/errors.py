@@ -159,8 +159,7 @@ def reason_of(error: BaseException) -> str:
 
     Examples
     --------
-    >>> reason_of(ValueError("found a tab
-    in line 3")), reason_of(ValueError())
+    >>> reason_of(ValueError("found a tab\nin line 3")), reason_of(ValueError())
     ('found a tab in line 3', 'ValueError')
     >>> reason_of(FileNotFoundError(2, "No such file or directory", "hall.png"))
     'No such file or directory'

@@ -12,7 +12,7 @@ import shapely
 from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
-from multisrt.environments.cleaning import Cleaning, flushed, without_denormals
+from multisrt.environments.cleaning import Cleaning, areas, flushed, without_denormals
 from multisrt.environments.environment import MAX_COORDINATE_M, MIN_LENGTH_M, Environment
 from multisrt.environments.formats.bitmap import MAX_CORNERS
 from multisrt.environments.formats.files import (
@@ -205,13 +205,17 @@ class _Pose:
         return np.array([[cos, -sin], [sin, cos]])
 
     def place(self, shape: BaseGeometry) -> BaseGeometry:
-        """Return a shape in the frame of this pose in the frame around it."""
+        """Return a valid shape in the frame of this pose in the frame around it."""
         turn = self.matrix.T
 
         def placed(points: FloatArray) -> FloatArray:
             return flushed(points @ turn + (self.x, self.y))
 
-        return shapely.transform(shape, placed)
+        moved = shapely.transform(shape, placed)
+        if moved.is_valid:
+            return moved
+        # Far from the origin, rounding makes the finest details cross.
+        return areas(shapely.make_valid(moved, method="structure", keep_collapsed=False))
 
 
 @dataclass(frozen=True, slots=True)

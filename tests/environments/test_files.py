@@ -36,9 +36,9 @@ def test_files_that_cannot_be_opened_are_named_in_short(tmp_path, map_file, what
     folder.mkdir()
     path = folder / map_file
     path.write_text(NAMING[map_file].format(LONG[what]), encoding="utf-8")
-    cell_m = 1.0 if map_file.endswith(".scen") else None
+    resolution_m = 1.0 if map_file.endswith(".scen") else None
     with pytest.raises(MapFormatError, match=r"names the file '.*\.\.\.") as caught:
-        read_environment(path, resolution_m=cell_m)
+        read_environment(path, resolution_m=resolution_m)
     assert len(str(caught.value)) < 300 + 2 * len(str(path))
 
 

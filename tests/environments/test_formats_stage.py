@@ -473,7 +473,9 @@ def test_insides_of_outlined_obstacles_are_no_problem_and_no_building(read, tmp_
         check = check_map(one, Footprint.disc(0.25))
         assert check.problems == ()
         assert check.around is None
-        assert "; others may be the insides of obstacles drawn as outlines" in list(report(check))[1]
+        assert (
+            "; others may be the insides of obstacles drawn as outlines" in list(report(check))[1]
+        )
     # A robot that starts inside of an obstacle explores little: that is a problem.
     lost = read('model ( bitmap "blocks.png" size [16 12 1] ) position ( pose [-4 0 0 0] )')
     assert "only " in check_map(lost, Footprint.disc(0.25)).problems[0]

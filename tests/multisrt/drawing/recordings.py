@@ -30,6 +30,7 @@ from multisrt.simulation.worlds import inline
 from multisrt.spec import RobotSpec, RunSpec, StopRule
 
 Place = tuple[float, float]
+Pose = tuple[float, float, float]
 
 
 def run(
@@ -107,7 +108,10 @@ def end(time_s: float, robot: int, frontier: tuple[Segment, ...] = ()) -> Ended:
 
 
 def recorded(
-    starts: Sequence[Place], events: Sequence[AnyEvent], world: Environment = HALL, **spec: Any
+    starts: Sequence[Place | Pose],
+    events: Sequence[AnyEvent],
+    world: Environment = HALL,
+    **spec: Any,
 ) -> Recording:
     """Return the recording of a team whose events are given."""
     robots = tuple(RobotSpec(start=start) for start in starts)

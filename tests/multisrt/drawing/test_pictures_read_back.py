@@ -11,8 +11,9 @@ from multisrt.analysis.map_check import check_map
 from multisrt.drawing import map_check_svg, tree_svg
 from multisrt.environments.environment import Environment
 from multisrt.environments.formats import read_environment
+from multisrt.events import AnyEvent
 from multisrt.geometry.bodies.footprint import Footprint
-from tests.multisrt.drawing.recordings import A, C, E, HALL, end, motion, node, recorded
+from tests.multisrt.drawing.recordings import HALL, A, C, E, end, motion, node, recorded
 
 HEADINGS = [0.0, 1.0, math.pi / 2, -2.5]
 
@@ -25,7 +26,7 @@ def read(folder, svg):
 
 def pictured(starts, world=HALL):
     """Return the picture of robots that each made a node and a motion."""
-    events = []
+    events: list[AnyEvent] = []
     for robot, place in enumerate([A, C, E, (6.0, 6.0)][: len(starts)]):
         events += [node(0.0, robot, 0, place), motion(1.0, robot, place, (place[0], 1.0))]
         events.append(end(5.0, robot))
@@ -99,10 +100,8 @@ def test_no_layer_of_our_own_is_told_as_left_out(tmp_path):
 
 def test_a_layer_that_was_added_to_a_picture_is_told(tmp_path):
     svg = pictured([(4.0, 5.0, 0.3)])
-    added = (
-        '<g inkscape:groupmode="layer" inkscape:label="Sofas"><path d="M8 2h2v1h-2z"/></g></g>'
-    )
+    added = '<g inkscape:groupmode="layer" inkscape:label="Sofas"><path d="M8 2h2v1h-2z"/></g></g>'
     before, _, after = svg.partition('<g id="robot-0-start"')
-    layers = read(tmp_path, f"{before}{added[:-4]}<g id=\"robot-0-start\"{after}").layers
+    layers = read(tmp_path, f'{before}{added[:-4]}<g id="robot-0-start"{after}').layers
     assert layers is not None
     assert [layer.name for layer in layers.left_out] == ["Sofas"]

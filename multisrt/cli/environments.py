@@ -210,7 +210,7 @@ def export(
 
 
 def _area_in_cells(world: Environment, cell_m: float | None) -> str:
-    """Return how much of a world is free in cells, after a colon; empty if that is all of it."""
+    """Return how much is free in cells, after a comma; empty if it is as much as in the world."""
     from multisrt.exporting.map_content import MapContent
     from multisrt.exporting.rasters import raster_of
 
@@ -218,7 +218,7 @@ def _area_in_cells(world: Environment, cell_m: float | None) -> str:
     in_cells, whole = area_text(raster.free_m2), area_text(world.area_m2)
     if in_cells == whole:
         return ""
-    return f": {in_cells} m2 of {whole} m2 free in cells of {raster.cell_m:g} m"
+    return f", with {in_cells} m2 free in cells of {raster.cell_m:g} m (the world has {whole} m2)"
 
 
 def _describe(world: Environment, name: str) -> None:

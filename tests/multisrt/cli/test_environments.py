@@ -219,7 +219,7 @@ def test_export_to_cells_tells_how_much_of_the_world_is_free_in_them(call, folde
     assert code == 0
     levels = np.asarray(Image.open(folder / "q.pgm"))
     in_cells = 0.64 * np.count_nonzero(levels == 254)
-    assert f"q.pgm: {in_cells:.4g} m2 of 50 m2 free in cells of 0.8 m\n" in out
+    assert f"q.pgm, with {in_cells:.4g} m2 free in cells of 0.8 m (the world has 50 m2)\n" in out
 
 
 def test_the_folder_of_a_run_is_told_from_a_map(call, folder):

@@ -1,6 +1,7 @@
 import json
 import os
 import re
+import sys
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
@@ -31,6 +32,14 @@ def test_explore_writes_its_files(call, folder):
     assert ET.parse(results / "tree.svg").getroot().tag.endswith("svg")
     for name in FILES:
         assert str(Path("runs") / "room-srt-radial-3" / name) in out
+
+
+def test_the_size_of_the_world_is_told_where_progress_is_shown(call, monkeypatch):
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
+    code, _, err = call("explore", "room.wkt", "--max-time", "1")
+    assert code == 3
+    assert err.count("room: 6 x 5 m, 30 m2 free\n") == 1
+    assert "6 x 5 m" not in call("explore", "room.wkt", "--max-time", "1", "--quiet")[2]
 
 
 def test_explore_with_many_options(call, folder):

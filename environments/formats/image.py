@@ -1,8 +1,11 @@
 """Plain images as maps: light pixels are free, dark ones are not."""
 
+import io
 import math
 import re
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -207,7 +210,7 @@ def read_pixels(path: Path) -> Pixels:
         # Sizes are checked before anything is decoded; other warnings concern metadata.
         warnings.simplefilter("ignore")
         try:
-            with Image.open(path, formats=PILLOW_FORMATS) as image:
+            with opened_image(path) as image:
                 _require_size(path, *image.size)
                 return _decoded(path, image)
         except MapFormatError:
@@ -228,6 +231,38 @@ def read_pixels(path: Path) -> Pixels:
                 f"{path} is a damaged image: {reason_of(error)}; copy it again, or open it "
                 "and save it anew"
             ) from error
+
+
+@contextmanager
+def opened_image(path: Path) -> Iterator["Image"]:
+    """Open an image of one of the `PILLOW_FORMATS`, without decoding it.
+
+    Parameters
+    ----------
+    path : Path
+        The file. Lengths that it states are not trusted: no read allocates more than it has bytes.
+
+    Yields
+    ------
+    PIL.Image.Image
+        The image, until the end of the block.
+    """
+    from PIL import Image
+
+    with _BoundedReader(path) as file, Image.open(file, formats=PILLOW_FORMATS) as image:
+        yield image
+
+
+class _BoundedReader(io.BufferedReader):
+    """A file of which no more is read than there is, because reading allocates what is asked."""
+
+    def __init__(self, path: Path) -> None:
+        super().__init__(io.FileIO(path))
+        self._bytes = path.stat().st_size
+
+    def read(self, size: int | None = -1, /) -> bytes:
+        left = max(self._bytes - self.tell(), 0)
+        return super().read(left if size is None or size < 0 else min(size, left))
 
 
 def _require_size(path: Path, width: int, height: int) -> None:

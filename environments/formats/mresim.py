@@ -7,7 +7,7 @@ from typing import Final
 
 from multisrt.environments.environment import Environment
 from multisrt.environments.formats.files import MAX_STARTS, read_text
-from multisrt.environments.formats.image import PILLOW_FORMATS
+from multisrt.environments.formats.image import opened_image
 from multisrt.environments.formats.map_format import Beginning
 from multisrt.geometry.errors import MapFormatError, shortened, shown
 
@@ -123,10 +123,8 @@ def with_team(world: Environment, image: Path, resolution_m: float, team: Path) 
     MapFormatError
         If the team file cannot be read, or a robot starts outside free space.
     """
-    from PIL import Image
-
     members = read_team(team)
-    with Image.open(image, formats=PILLOW_FORMATS) as opened:
+    with opened_image(image) as opened:
         height = opened.height
     starts = {}
     for member in members:

@@ -1,6 +1,8 @@
 """Every kind of PNG, written byte by byte."""
 
+import contextlib
 import struct
+import tracemalloc
 import zlib
 
 import numpy as np
@@ -123,3 +125,18 @@ def test_a_scale_for_printing_is_not_the_scale_of_the_map(tmp_path):
     with pytest.raises(MapFormatError, match="--resolution"):
         read_image(path)
     assert read_image(path, resolution_m=1.0).area_m2 == 44
+
+
+def test_a_length_in_the_file_is_not_allocated(tmp_path):
+    light, dark, _ = light_and_dark(GREY, 8)
+    content = png(np.where(FREE[:, :, np.newaxis], light, dark), GREY, 8)
+    at = content.index(b"IDAT") - 4
+    path = tmp_path / "room.png"
+    path.write_bytes(content[:at] + struct.pack(">I", 2**30) + content[at + 4 :])
+    tracemalloc.start()
+    try:
+        with contextlib.suppress(MapFormatError):
+            read_image(path, resolution_m=1.0)
+        assert tracemalloc.get_traced_memory()[1] < 2**26
+    finally:
+        tracemalloc.stop()

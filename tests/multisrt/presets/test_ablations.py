@@ -210,8 +210,10 @@ OPTIONS_CHANGED = {
         "waits without end": {"patience"},
     },
     "minpos": {
-        "a scan at every step": {"sense_period_s"},
+        "a scan and a choice at every step": {"sense_period_s"},
+        "goals kept until nothing is left to be seen there": {"replan"},
         "goals kept until they are reached, as by Yamauchi": {"replan"},
+        "a scan at every step, goals kept until they are reached": {"sense_period_s", "replan"},
         "bodies of 1 m, of which two cannot pass in a corridor": {"body"},
         "starts far apart": {"starts"},
     },

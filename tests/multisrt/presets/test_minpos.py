@@ -6,7 +6,15 @@ import pytest
 from multisrt.experiments.crossing import Condition
 from multisrt.experiments.results import Results
 from multisrt.presets import minpos
-from multisrt.presets.minpos_ablations import ABLATIONS, APART, SCANS, TARGETS, WIDE
+from multisrt.presets.minpos_ablations import (
+    ABLATIONS,
+    APART,
+    ARRIVAL,
+    SCANS,
+    SCANS_ARRIVAL,
+    TARGETS,
+    WIDE,
+)
 from multisrt.presets.minpos_claims import LARGEST_GAINS, MEAN_GAINS
 from multisrt.presets.minpos_experiment import RULES, STEP_S, experiment
 from multisrt.presets.minpos_gains import (
@@ -235,17 +243,19 @@ def test_gains_are_shown_without_and_with_each_change():
         *("maze, 4 robots", "hospital, 4 robots", "maze, 12 robots")
     ]
     assert [[row[0] for row in table.rows] for table in tables] == [
-        ["as in the experiment", SCANS, TARGETS, APART],
-        ["as in the experiment", SCANS, APART],
+        ["as in the experiment", SCANS, TARGETS, ARRIVAL, SCANS_ARRIVAL, APART],
+        ["as in the experiment", SCANS, TARGETS, ARRIVAL, SCANS_ARRIVAL, APART],
         ["as in the experiment", WIDE, APART],
     ]
     assert [[row[2].split()[0] for row in table.rows] for table in tables] == [
-        ["+12.0", "+0.0", "+2.0", "+4.0"],
-        ["+12.0", "+6.0", "+8.0"],
-        ["+12.0", "+10.0", "+12.0"],
+        ["+12.0", *(f"+{k:.1f}" for k in (0, 2, 4, 6, 8))],
+        ["+12.0", *(f"+{k:.1f}" for k in (10, 12, 14, 16, 18))],
+        ["+12.0", "+20.0", "+22.0"],
     ]
     assert {row[1].split()[0] for table in tables for row in table.rows} == {"+5.0"}
-    assert {row[3] for table in tables for row in table.rows} == {"6/6"}
+    # Minpos on greedy, by their ratios of times to that of closest.
+    assert tables[0].rows[0][3].split()[0] == f"{100.0 * (1.0 - 0.88 / 0.95):+.1f}"
+    assert {row[4] for table in tables for row in table.rows} == {"6/6/6"}
 
 
 def test_times_are_given_in_steps_as_well():

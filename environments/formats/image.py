@@ -25,6 +25,7 @@ from multisrt.environments.formats.files import (
     straightened,
 )
 from multisrt.environments.formats.map_format import Beginning, MapFormat
+from multisrt.environments.formats.row_blocks import row_blocks
 from multisrt.environments.formats.start_mark import marked_starts
 from multisrt.geometry.errors import MapFormatError, reason_of
 from multisrt.geometry.numerics.kernel import BoolArray
@@ -320,8 +321,10 @@ def _white(
 ) -> int:
     """Return the level that 99 % of the opaque pixels do not exceed."""
     histogram = np.zeros(full + 1, np.int64)
-    for row, line in enumerate(levels):  # by rows: counting needs eight bytes a pixel
-        histogram += np.bincount(line if opaque is None else line[opaque[row]], minlength=full + 1)
+    for rows in row_blocks(levels.shape):  # counting needs eight bytes a pixel
+        some = levels[rows]
+        counted = some.ravel() if opaque is None else some[opaque[rows]]
+        histogram += np.bincount(counted, minlength=full + 1)
     counts = np.cumsum(histogram)
     return int(np.searchsorted(counts, math.ceil(counts[-1] * WHITE_PERCENTILE / 100)))
 

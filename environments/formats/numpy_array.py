@@ -21,6 +21,7 @@ from multisrt.environments.formats.files import (
 )
 from multisrt.environments.formats.image import free_pixels
 from multisrt.environments.formats.map_format import Beginning, MapFormat
+from multisrt.environments.formats.row_blocks import row_blocks
 from multisrt.geometry.errors import MapFormatError, reason_of, shortened
 from multisrt.geometry.numerics.kernel import BoolArray
 
@@ -202,8 +203,8 @@ def _type_name(dtype: np.dtype[Any]) -> str:
 def _require_grey(path: Path, array: NDArray[np.uint8]) -> None:
     """Reject uint8 numbers that look like occupancies, which are high where grey is low."""
     used = np.zeros(256, np.bool_)
-    for row in array:  # by rows, so that the mapped array is not copied
-        used[row] = True
+    for rows in row_blocks(array.shape):  # so that the mapped array is not copied
+        used[array[rows]] = True
     greatest = int(np.flatnonzero(used)[-1])
     is_ros = used[100] and used[255] and not used[101:255].any()
     if greatest <= 100 or is_ros:
@@ -223,16 +224,18 @@ def _free_cells(path: Path, array: NDArray[Any]) -> BoolArray:
     is_whole = array.dtype.kind == "i"
     greatest = -1
     least, full = (-1, 100) if is_whole else (0, 1)
-    for row, line in enumerate(array):  # by rows, since comparisons allocate memory
-        strange = np.flatnonzero((line < least) | (line > full))
+    for rows in row_blocks(array.shape):  # since comparisons allocate memory
+        some = array[rows]
+        strange = np.argwhere((some < least) | (some > full))
         if strange.size:
+            row, column = strange[0]
             unknown = "-1" if is_whole else "NaN"
             raise MapFormatError(
-                f"{path}, row {row}, column {strange[0]} is {line[strange[0]]:g}; occupancies of "
-                f"type {array.dtype} are 0 to {full}, or {unknown} for the unknown"
+                f"{path}, row {rows.start + row}, column {column} is {some[row, column]:g}; "
+                f"occupancies of type {array.dtype} are 0 to {full}, or {unknown} for the unknown"
             )
-        free[row] = (line >= 0) & (line <= FREE_OCCUPANCY * full)
-        greatest = max(greatest, line.max(initial=-1))
+        free[rows] = (some >= 0) & (some <= FREE_OCCUPANCY * full)
+        greatest = max(greatest, some.max(initial=-1))
     if is_whole and greatest == 1:
         raise MapFormatError(
             f"{path} has {array.dtype} numbers up to 1, which may be 1 per cent or occupied: "

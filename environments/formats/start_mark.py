@@ -5,6 +5,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from multisrt.environments.formats.row_blocks import row_blocks
 from multisrt.geometry.numerics.kernel import BoolArray
 
 MIN_SIDE: Final = 4
@@ -66,10 +67,10 @@ def marked_starts(
 
 
 def _few_values(levels: NDArray[np.uint32]) -> list[int]:
-    # Row by row, to stop early at a photograph, which has no mark.
+    # Block by block, to stop early at a photograph, which has no mark.
     values: set[int] = set()
-    for row in levels:
-        values.update(np.unique(row).tolist())
+    for rows in row_blocks(levels.shape):
+        values.update(np.unique(levels[rows]).tolist())
         if len(values) > MAX_LEVELS:
             return []
     return sorted(values)

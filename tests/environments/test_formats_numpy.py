@@ -95,6 +95,7 @@ def test_threshold_is_for_grey_values(tmp_path):
         (np.zeros((0, 3)), r"shape \(0, 3\), which has no cell"),
         (np.full((2, 3), 101, np.int8), "row 0, column 0 is 101"),
         (np.array([[0, 0], [0, -2]]), "row 1, column 1 is -2"),
+        (np.pad([[101]], ((599_999, 0), (0, 0))), "row 599999, column 0 is 101"),
         (np.array([[0, 1.5]]), "row 0, column 1 is 1.5; .*NaN for the unknown"),
         (np.array([[0, -np.inf]]), "row 0, column 1 is -inf"),
         (np.ones((2, 2)), "no cell has an occupancy of at most 0.25"),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Final, NamedTuple, TypeVar
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -215,10 +215,6 @@ def refuse_corners(boundary: FloatArray, cell_m: float) -> None:
         )
 
 
-MAX_SPARE: Final = 128
-"""Number of rows or columns that a window gets at most beyond what it must hold."""
-
-
 def window_over(
     bounds: tuple[float, float, float, float], cell_m: float, held: Window, cell_bytes: int = 1
 ) -> Window:
@@ -273,7 +269,7 @@ def window_over(
     right = max(0, last_column + 1 - column - columns)
     above = max(0, last_row + 1 - row - rows)
     if rows:
-        spare_x, spare_y = min(columns // 2, MAX_SPARE), min(rows // 2, MAX_SPARE)
+        spare_x, spare_y = columns // 2, rows // 2
         left, right = left and left + spare_x, right and right + spare_x
         below, above = below and below + spare_y, above and above + spare_y
     window = Window(row - below, column - left, rows + below + above, columns + left + right)

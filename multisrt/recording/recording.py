@@ -211,7 +211,8 @@ class Recording:
         if (digest := digest_of(header, events)) != footer.digest:
             raise InvalidInputError(
                 f"{path}: its last line says digest {shortened(footer.digest, 15)}, but its "
-                f"contents have {digest[:12]}...: the file was changed after the run; run its spec again"
+                f"contents have {digest[:12]}...: the file was changed after the run; run its spec "
+                "again"
             )
         return cls(header=header, events=events, footer=footer)
 

@@ -1,6 +1,8 @@
 """Numpy arrays as maps: occupancy grids and grey images in ``.npy`` files."""
 
+import itertools
 import math
+import re
 import warnings
 from pathlib import Path
 from typing import Any, Final
@@ -30,6 +32,9 @@ FREE_OCCUPANCY: Final = 0.25
 
 MAX_HEADER_BYTES: Final = 10_000
 """Upper bound of the length of the header, which is a Python literal."""
+
+MAX_HEADER_DEPTH: Final = 8
+"""Upper bound of the brackets in each other in the header; those of structures have four."""
 
 MAX_SIDE: Final = 2**63 - 1
 """Upper bound of the sides that numpy allows; a header may hold any whole number."""
@@ -178,18 +183,38 @@ def _header(path: Path, file: Any) -> tuple[tuple[int, ...], bool, np.dtype[Any]
         raise MapFormatError(
             f"{path} has a header of {length:,} bytes; grids have at most {MAX_HEADER_BYTES:,}"
         )
+    _require_literal(path, file.read(length).decode("latin-1"))
     file.seek(len(MAGIC) + 2)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # headers that Python 2 wrote
             shape, fortran_order, dtype = read_header(file, max_header_size=MAX_HEADER_BYTES)
     except Exception as error:  # the header is a literal: parsing it raises almost anything
-        raise MapFormatError(f"{path} has a damaged header; write it with numpy.save") from error
+        raise _damaged_header(path) from error
     if any(abs(side) > MAX_SIDE for side in shape):
-        raise MapFormatError(f"{path} has a damaged header; write it with numpy.save")
+        raise _damaged_header(path)
     if any(isinstance(side, bool) or side < 0 for side in shape):
         raise MapFormatError(f"{path} has the shape {_shown(shape)}; sides are not negative")
     return shape, fortran_order, dtype
+
+
+_TEXT: Final = re.compile(r"""'[^'\\]*'|"[^"\\]*\"""")
+_WORD: Final = re.compile(r"True|False|-?\d[\d.]*L?|[\s()\[\]{},:]")
+
+
+def _require_literal(path: Path, header: str) -> None:
+    """Reject a header that is nested deeply, on which Python's parser runs out of its memory.
+
+    Texts, numbers, truth values and brackets are allowed, brackets up to `MAX_HEADER_DEPTH` deep.
+    """
+    bare = _TEXT.sub("", header)
+    depth = itertools.accumulate((sign in "([{") - (sign in ")]}") for sign in bare)
+    if _WORD.sub("", bare) or max(depth, default=0) > MAX_HEADER_DEPTH:
+        raise _damaged_header(path)
+
+
+def _damaged_header(path: Path) -> MapFormatError:
+    return MapFormatError(f"{path} has a damaged header; write it with numpy.save")
 
 
 def _shown(shape: tuple[int, ...]) -> str:

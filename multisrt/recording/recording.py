@@ -13,7 +13,7 @@ import shapely
 from multisrt.environments.environment import Environment
 from multisrt.events import AnyEvent, Event, NodeAdded, NodeName
 from multisrt.geometry.configuration import Configuration
-from multisrt.geometry.errors import InvalidInputError, reason_of, shown
+from multisrt.geometry.errors import MAX_REASON, InvalidInputError, reason_of, shortened, shown
 from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.recording.files import atomic_write
 from multisrt.recording.flaws import flaw_of, order_flaws
@@ -205,13 +205,14 @@ class Recording:
         nodes = {(event.robot, event.serial) for event in events if isinstance(event, NodeAdded)}
         for number, event in enumerate(events, 2):
             if flaw := flaw_of(event, header.spec, nodes):
-                raise InvalidInputError(f"{path}, line {number}: {flaw}")
+                raise InvalidInputError(f"{path}, line {number}: {shortened(flaw, MAX_REASON)}")
         for number, flaw in order_flaws(events, footer.time_s):
             raise InvalidInputError(f"{path}, line {number + 2}: {flaw}")
         if (digest := digest_of(header, events)) != footer.digest:
             raise InvalidInputError(
-                f"{path}: its last line says digest {footer.digest[:12]}..., but its contents have "
-                f"{digest[:12]}...: the file was changed after the run; run its spec again"
+                f"{path}: its last line says digest {shortened(footer.digest, 15)}, but its "
+                f"contents have {digest[:12]}...: the file was changed after the run; run its spec "
+                "again"
             )
         return cls(header=header, events=events, footer=footer)
 

@@ -170,6 +170,26 @@ def reason_of(error: BaseException) -> str:
     return shortened(words, MAX_REASON) or type(error).__name__
 
 
+def counted(number: int, one: str, several: str = "") -> str:
+    """Return a number of things as text.
+
+    Parameters
+    ----------
+    number : int
+        How many.
+    one : str
+        What one of them is called.
+    several : str, optional
+        What several are called; by default `one` with an s.
+
+    Examples
+    --------
+    >>> counted(1, "start"), counted(1200, "robot"), counted(0, "vertex", "vertices")
+    ('1 start', '1,200 robots', '0 vertices')
+    """
+    return f"{number:,} {one if number == 1 else several or one + 's'}"
+
+
 def did_you_mean(word: object, known: Iterable[object]) -> str:
     """Return a hint at the known word closest to an unknown one, for the end of a message.
 

@@ -11,7 +11,7 @@ from typing import Any, ParamSpec, TypedDict, TypeVar, Unpack, get_args
 from multisrt.analysis.progress import Progress
 from multisrt.environments.environment import Environment
 from multisrt.finished_run import Run
-from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.errors import InvalidInputError, counted
 from multisrt.robots.explorer import Explorer
 from multisrt.robots.loading import name_of
 from multisrt.robots.strategy import Strategy
@@ -347,7 +347,7 @@ def _start_configurations(given: Mapping[str, Any]) -> list[Sequence[float] | No
         return [None] * robots
     if len(places) != robots:
         raise InvalidInputError(
-            f"{len(places)} start{'s' * (len(places) != 1)} for {robots} "
-            f"robot{'s' * (robots != 1)}: give one for each of them"
+            f"{counted(len(places), 'start')} for {counted(robots, 'robot')}: give one for each of "
+            "them"
         )
     return places

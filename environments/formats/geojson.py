@@ -29,7 +29,7 @@ from multisrt.environments.formats.files import (
 )
 from multisrt.environments.formats.map_format import Beginning, MapFormat
 from multisrt.environments.formats.regions import require_few_overlaps
-from multisrt.geometry.errors import MapFormatError, shown
+from multisrt.geometry.errors import MapFormatError, counted, shown
 
 KINDS = {
     "outline": "free",
@@ -214,8 +214,8 @@ def _add_geometry(world: _World, place: _Place, item: dict[str, object], kind: s
 
 
 def _unlocated(number: int) -> Cleaning:
-    features = "1 feature" if number == 1 else f"{number} features"
-    return Cleaning(notes=(f"{features} without a place left out",) if number else ())
+    said = f"{counted(number, 'feature')} without a place left out"
+    return Cleaning(notes=(said,) if number else ())
 
 
 def _kind(place: _Place, properties: object) -> str:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from multisrt.geometry.errors import InvalidInputError, did_you_mean
+from multisrt.geometry.errors import InvalidInputError, counted, did_you_mean
 
 if TYPE_CHECKING:
     from multisrt.spec import BaseSpec, EnvironmentSpec, Fault, RobotSpec, RunSpec
@@ -228,7 +228,7 @@ def _team(given: Mapping[str, Any]) -> tuple[RobotSpec, ...]:
         raise InvalidInputError(f"a team has at least one robot, not {count}")
     if places and len(places) != count:
         raise InvalidInputError(
-            f"{_counted(len(places), 'start')} for {_counted(count, 'robot')}: give --start for "
+            f"{counted(len(places), 'start')} for {counted(count, 'robot')}: give --start for "
             "each of them or for none; --robot start=X,Y gives one robot a start of its own"
         )
     if differing and len(differing) != count:
@@ -272,10 +272,6 @@ def _of_drive(usual: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any
             "drive=reeds-shepp or drive=dubins"
         )
     return {key: None if key == "turning-radius" and not is_car else usual[key] for key in usual}
-
-
-def _counted(number: int, what: str) -> str:
-    return f"{number} {what}{'s' * (number != 1)}"
 
 
 def _times(number: int) -> str:

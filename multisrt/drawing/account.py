@@ -34,6 +34,7 @@ from multisrt.drawing.svg import Marker
 from multisrt.drawing.traces import Trace
 from multisrt.events import CameBack, Died, FellSilent, Joined
 from multisrt.explain.terms import stage_name
+from multisrt.geometry.errors import counted
 from multisrt.recording import Recording
 
 MAX_ACCOUNTS: Final = 16
@@ -63,7 +64,7 @@ def heading(recording: Recording, traces: list[Trace], status: str | None = None
         status = f"{OUTCOMES[footer.outcome]} after {footer.time_s:,.0f} s"
     lines = [
         f"{spec.strategy} in {recording.header.world}{team}, seed {spec.seed}",
-        f"{status}: {_counted(nodes, _unit(traces, in_full=True))}, {distance:,.0f} m travelled",
+        f"{status}: {counted(nodes, _unit(traces, in_full=True))}, {distance:,.0f} m travelled",
     ]
     left = math.fsum(math.hypot(x1 - x0, y1 - y0) for t in traces for x0, y0, x1, y1 in t.frontier)
     if left:
@@ -264,7 +265,7 @@ def _swatch(trace: Trace, robots: int, unit: str) -> Swatch:
     styles = RobotStyles.of(trace.robot)
     label = str(trace.robot)
     if robots <= MAX_ACCOUNTS:
-        label += f": {_counted(len(trace.nodes), unit)}, {trace.distance_m:,.0f} m"
+        label += f": {counted(len(trace.nodes), unit)}, {trace.distance_m:,.0f} m"
     return Swatch(label=label, area=styles.area, line=styles.edge)
 
 
@@ -272,10 +273,6 @@ def _unit(traces: list[Trace], *, in_full: bool = False) -> str:
     # The word for a node. Scans are counted that showed something new.
     scan = "informative scan" if in_full else "scan"
     return scan if any(trace.scans for trace in traces) else "node"
-
-
-def _counted(nodes: int, unit: str) -> str:
-    return f"{nodes:,} {unit}{'s' if nodes != 1 else ''}"
 
 
 def _faults(recording: Recording) -> str:

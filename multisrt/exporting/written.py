@@ -83,11 +83,7 @@ def _listed(known: Mapping[str, object]) -> str:
     for one, text in known.items():
         suffixes.setdefault(f": {text}" if isinstance(text, str) else "", []).append(one)
     joined = [", ".join(some) + text for text, some in suffixes.items()]
-    return (
-        "; ".join(joined)
-        if any(len(some) > 1 for some in suffixes.values())
-        else (", ".join(joined))
-    )
+    return ("; " if len(joined) < len(known) else ", ").join(joined)
 
 
 def _is_folder(path: Path) -> InvalidInputError:

@@ -10,6 +10,7 @@ from itertools import count
 
 from multisrt.experiments.measures import Measure
 from multisrt.experiments.results import Results
+from multisrt.geometry.errors import counted
 from multisrt.reporting.layout import number
 from multisrt.reporting.study import Comparison, Study, team_name
 from multisrt.robots.naming import joined
@@ -140,7 +141,7 @@ def constants_note(study: Study) -> str:
         if study.is_constant(setting, strategy)
     )
     return (
-        f"(1 run): {_counted(copies, 'repetition')}, 1 distinct run, because nothing in it depends "
+        f"(1 run): {counted(copies, 'repetition')}, 1 distinct run, because nothing in it depends "
         "on the seed. It counts once and has no interval."
     )
 
@@ -279,7 +280,7 @@ def what_was_run(study: Study) -> str:
     teams = list(dict.fromkeys(team_name(setting) for setting in study.settings))
     failed = Counter(r.status.replace("_", " ") for r in results if r.failed)
     copies = sum(result.same_as is not None for result in results)
-    text = _counted(planned, "run")
+    text = counted(planned, "run")
     if made < planned:
         text += (
             f" asked for, {made} made ({planned - made} still missing; this report covers those "
@@ -299,8 +300,8 @@ def what_was_run(study: Study) -> str:
     text += f". Success: {success_words(results)}. "
     if study.strategies:
         text += (
-            f"{_counted(len(study.strategies), 'strategy', 'strategies')} "
-            f"({joined(study.strategies)}) in {_counted(worlds, 'world')}, with {joined(teams)}."
+            f"{counted(len(study.strategies), 'strategy', 'strategies')} "
+            f"({joined(study.strategies)}) in {counted(worlds, 'world')}, with {joined(teams)}."
         )
     return text
 
@@ -356,7 +357,7 @@ def _counts(study: Study, compared: Sequence[Comparison]) -> list[str]:
         )
         if own:
             told = ", ".join(text.format(count) for text, count in kinds if count)
-            settings = _counted(len(own), "setting")
+            settings = counted(len(own), "setting")
             sentences.append(f"{strategy} against {study.baseline}, {settings}: {told}.")
     return sentences
 
@@ -386,15 +387,11 @@ def _groups(study: Study, unclear: Sequence[Comparison]) -> list[str]:
 
 
 def _too_few(compared: Sequence[Comparison]) -> str:
-    return f"{_counted(len(compared), 'comparison')} of {_pairs(compared)}"
+    return f"{counted(len(compared), 'comparison')} of {_pairs(compared)}"
 
 
 def _pairs(compared: Sequence[Comparison]) -> str:
     pairs = sorted({c.pairs for c in compared})
     if len(pairs) == 1:
-        return _counted(pairs[0], "pair")
+        return counted(pairs[0], "pair")
     return f"{pairs[0]} to {pairs[-1]} pairs"
-
-
-def _counted(count: int, one: str, many: str | None = None) -> str:
-    return f"{count:,} {one if count == 1 else many or one + 's'}"

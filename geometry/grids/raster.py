@@ -20,6 +20,9 @@ MAX_CELLS = 400_000_000
 MAX_CELL_INDEX = 2.0**52
 """Maximum distance from the origin, in cells, at which floats distinguish neighbouring cells."""
 
+MAX_SPARE = 512
+"""Maximum number of columns, and of rows, by which a window grows beyond what it has to hold."""
+
 OFFSET_X, OFFSET_Y = 0.6947927077420251, 0.9741538717342381
 """Shift of the lattice in cells: ``3 u - v - 1`` and ``3 u + 3 v - 3``.
 
@@ -220,7 +223,8 @@ def window_over(
 ) -> Window:
     """Return the window that holds some bounds and the present window.
 
-    It grows by at least half its size, so that growing costs little over a whole run.
+    It grows by at least half its size, up to `MAX_SPARE` cells, so that growing costs little over
+    a whole run, and a large window is not mostly empty.
 
     Parameters
     ----------
@@ -269,7 +273,7 @@ def window_over(
     right = max(0, last_column + 1 - column - columns)
     above = max(0, last_row + 1 - row - rows)
     if rows:
-        spare_x, spare_y = columns // 2, rows // 2
+        spare_x, spare_y = min(columns // 2, MAX_SPARE), min(rows // 2, MAX_SPARE)
         left, right = left and left + spare_x, right and right + spare_x
         below, above = below and below + spare_y, above and above + spare_y
     window = Window(row - below, column - left, rows + below + above, columns + left + right)

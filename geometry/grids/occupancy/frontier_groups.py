@@ -1,4 +1,4 @@
-"""Groups of connected frontier cells, labelled again only where cells have changed."""
+"""Groups of connected frontier cells, put together again only where cells have changed."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from typing import Final
 
 import numpy as np
 
-from multisrt.geometry.grids.occupancy.layers import FRONTIER, LABELLED, NEAR, Layers
+from multisrt.geometry.grids.occupancy.layers import FRONTIER, GROUPED, NEAR, Layers
 from multisrt.geometry.grids.raster import Corners
-from multisrt.geometry.numerics.arrays import FloatArray, IntArray
+from multisrt.geometry.numerics.arrays import ByteArray, FloatArray, IntArray
 from multisrt.geometry.numerics.kernel import kernel
 
 MAX_OUTDATED: Final = 64
-"""Number of windows with outdated labels that are collected before labels are assigned again."""
+"""Number of changed windows that are collected before groups are put together again."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -41,24 +41,22 @@ class FrontierGroups:
     """The frontier groups of an occupancy, kept from one change to the next.
 
     Knowledge only grows, so new frontier cells lie where cells have changed, and cells that have
-    ceased to be frontier lie at most one cell beside. Only groups with a cell there are labelled
-    again; all others remain the same objects.
+    ceased to be frontier lie at most one cell beside. Only groups with a cell there are put
+    together again; all others remain the same objects.
     """
 
-    __slots__ = ("_by_label", "_first_cells", "_next_label", "_outdated")
+    __slots__ = ("_by_first_cell", "_in_order", "_outdated")
 
     def __init__(self) -> None:
-        self._by_label: dict[int, FrontierGroup] = {}
-        # The first cell of each group, and its label, sorted.
-        self._first_cells: list[tuple[int, int, int]] = []
-        self._next_label = 1
+        self._by_first_cell: dict[tuple[int, int], FrontierGroup] = {}
+        self._in_order: list[FrontierGroup] = []
         self._outdated: list[Corners] = []
 
     def note_change(self, window: Corners, layers: Layers) -> None:
         """Record that cells have changed in a window of the lattice."""
         self._outdated.append(window)
         if len(self._outdated) >= MAX_OUTDATED:
-            self._label_again(layers)
+            self._group_again(layers)
 
     def all(self, layers: Layers) -> list[FrontierGroup]:
         """Return all groups in row-major order of their first cells.
@@ -66,13 +64,13 @@ class FrontierGroups:
         Parameters
         ----------
         layers : Layers
-            The present window; labels are written into it.
+            The present window; which cells are `GROUPED` is written into it.
         """
         if self._outdated:
-            self._label_again(layers)
-        return [self._by_label[label] for _, _, label in self._first_cells]
+            self._group_again(layers)
+        return list(self._in_order)
 
-    def _label_again(self, layers: Layers) -> None:
+    def _group_again(self, layers: Layers) -> None:
         windows = np.array(self._outdated, np.int64) + np.array([-1, 1, -1, 1])
         windows -= np.array([layers.row, layers.row, layers.column, layers.column])
         windows = np.maximum(windows, 0)
@@ -80,119 +78,112 @@ class FrontierGroups:
         windows[:, 2:] = np.minimum(windows[:, 2:], layers.states.shape[1])
         self._outdated.clear()
 
-        old = dict.fromkeys(_labels_in(windows, layers).tolist())
-        removed = [self._by_label.pop(label).cells for label in old]
-        released = np.concatenate(removed) if removed else np.empty((0, 2), np.int64)
-        members, ends = _label(windows, released, layers, self._next_label)
+        released, firsts = _release(windows, layers)
+        for row, column in firsts.tolist():
+            del self._by_first_cell[row, column]
+        members, ends = _group(windows, released, layers)
         cells, targets, sizes = _described(members, ends, layers)
 
-        first_cells = [first for first in self._first_cells if first[2] not in old]
         begin = 0
-        for label, (end, target, size) in enumerate(
-            zip(ends.tolist(), targets.tolist(), sizes.tolist(), strict=True), self._next_label
-        ):
-            row, column = cells[begin].tolist()
-            first_cells.append((row, column, label))
+        for end, target, size in zip(ends.tolist(), targets.tolist(), sizes.tolist(), strict=True):
             nearest: tuple[int, int] | None = None
             if target >= 0:
                 row, column = cells[target].tolist()
                 nearest = row, column
             own = cells[begin:end].copy()  # a view would keep the cells of all groups in memory
             own.setflags(write=False)
-            self._by_label[label] = FrontierGroup(
+            row, column = own[0].tolist()
+            self._by_first_cell[row, column] = FrontierGroup(
                 cells=own,
                 target=nearest,
                 size_m=size * layers.cell_m,
             )
             begin = end
-        self._next_label += len(ends)
-        first_cells.sort()
-        self._first_cells = first_cells
+        self._in_order = [self._by_first_cell[first] for first in sorted(self._by_first_cell)]
 
 
 @kernel
-def _labels_in(windows: IntArray, layers: Layers) -> IntArray:
-    # The labels in some windows of the arrays, each once. Few cells have one: a row without any
-    # is recognized without a branch per cell.
-    found = np.empty(64, np.int64)
-    count = 0
-    for w in range(windows.shape[0]):
-        first = windows[w, 2]
-        for r in range(windows[w, 0], windows[w, 1]):
-            row = layers.marks[r, first : windows[w, 3]]
-            any_mark = np.uint8(0)
-            for mark in row:
-                any_mark |= mark
-            if not any_mark & LABELLED:
-                continue
-            for c in range(row.shape[0]):
-                if not row[c] & LABELLED:
-                    continue
-                label = layers.labels[r, first + c]
-                if count == 0 or found[count - 1] != label:
-                    if count == found.shape[0]:
-                        longer = np.empty(2 * count, np.int64)
-                        longer[:count] = found
-                        found = longer
-                    found[count] = label
-                    count += 1
-    return np.unique(found[:count])
-
-
-@kernel
-def _label(
-    windows: IntArray, released: IntArray, layers: Layers, next_label: int
-) -> tuple[IntArray, IntArray]:
-    # Assign labels, from the next one on, to the frontier cells of some windows of the arrays
-    # and of released groups, whose cells are given in the lattice. Return the cells of all new
-    # groups one group after the other, as flat indices, sorted within each, and where each ends.
-    columns = layers.marks.shape[1]
+def _release(windows: IntArray, layers: Layers) -> tuple[IntArray, IntArray]:
+    # Take apart the groups with a cell in some windows of the arrays. Return the flat indices of
+    # their cells, and the first cell of each group in the lattice. Few cells are in a group: a row
+    # without any is recognized without a branch per cell.
     marks = layers.marks
-    capacity = released.shape[0]
-    for i in range(released.shape[0]):
-        marks[released[i, 0] - layers.row, released[i, 1] - layers.column] &= ~LABELLED
-    for w in range(windows.shape[0]):
-        for r in range(windows[w, 0], windows[w, 1]):
-            # A slice instead of indices, so that the loop is vectorized.
-            for mark in marks[r, windows[w, 2] : windows[w, 3]]:
-                capacity += (mark & FRONTIER) != 0
-
-    members = np.empty(capacity, np.int64)
-    ends = np.empty(capacity, np.int64)
+    columns = marks.shape[1]
+    members = np.empty(1024, np.int64)
+    firsts = np.empty((64, 2), np.int64)
     count = groups = 0
-    for i in range(released.shape[0]):
-        r, c = released[i, 0] - layers.row, released[i, 1] - layers.column
-        if marks[r, c] & (FRONTIER | LABELLED) == FRONTIER:
-            count = _fill(r * columns + c, next_label + groups, layers, members, count)
-            ends[groups] = count
-            groups += 1
     for w in range(windows.shape[0]):
         for r in range(windows[w, 0], windows[w, 1]):
-            any_left = False
+            any_mark = np.uint8(0)
             for mark in marks[r, windows[w, 2] : windows[w, 3]]:
-                any_left |= mark & (FRONTIER | LABELLED) == FRONTIER
-            if not any_left:
+                any_mark |= mark
+            if not any_mark & GROUPED:
                 continue
             for c in range(windows[w, 2], windows[w, 3]):
-                if marks[r, c] & (FRONTIER | LABELLED) == FRONTIER:
-                    count = _fill(r * columns + c, next_label + groups, layers, members, count)
-                    ends[groups] = count
-                    groups += 1
-    begin = 0
-    for g in range(groups):
-        members[begin : ends[g]].sort()
-        begin = ends[g]
-    return members[:count].copy(), ends[:groups].copy()
+                if not marks[r, c] & GROUPED:
+                    continue
+                begin = count
+                members, count = _fill(r * columns + c, GROUPED, GROUPED, marks, members, count)
+                if groups == firsts.shape[0]:
+                    firsts = np.concatenate((firsts, np.empty_like(firsts)))
+                first = members[begin:count].min()
+                firsts[groups, 0] = first // columns + layers.row
+                firsts[groups, 1] = first % columns + layers.column
+                groups += 1
+    return members[:count], firsts[:groups]
 
 
 @kernel
-def _fill(start: int, label: int, layers: Layers, members: IntArray, count: int) -> int:
-    # Label all unlabelled frontier cells connected with one, and append them to the members.
-    # Return the new number of members.
-    marks, labels = layers.marks, layers.labels
+def _group(
+    windows: IntArray, released: IntArray, layers: Layers
+) -> tuple[IntArray, IntArray]:
+    # Put together the frontier cells of some windows of the arrays, and those released. Return
+    # the cells of all new groups one group after the other, as flat indices, sorted within each,
+    # and where each ends.
+    marks = layers.marks
+    columns = marks.shape[1]
+    either = FRONTIER | GROUPED
+    members = np.empty(1024, np.int64)
+    ends = np.empty(64, np.int64)
+    count = groups = 0
+    for k in range(released.shape[0] + windows.shape[0]):
+        if k < released.shape[0]:
+            top, left = divmod(released[k], columns)
+            bottom, right = top + 1, left + 1
+        else:
+            top, bottom, left, right = windows[k - released.shape[0]]
+        for r in range(top, bottom):
+            # A slice instead of indices, so that the loop is vectorized.
+            any_left = False
+            for mark in marks[r, left:right]:
+                any_left |= mark & either == FRONTIER
+            if not any_left:
+                continue
+            for c in range(left, right):
+                if marks[r, c] & either == FRONTIER:
+                    begin = count
+                    members, count = _fill(
+                        r * columns + c, either, FRONTIER, marks, members, count
+                    )
+                    members[begin:count].sort()
+                    if groups == ends.shape[0]:
+                        ends = np.concatenate((ends, np.empty_like(ends)))
+                    ends[groups] = count
+                    groups += 1
+    return members[:count], ends[:groups]
+
+
+@kernel
+def _fill(
+    start: int, bits: int, wanted: int, marks: ByteArray, members: IntArray, count: int
+) -> tuple[IntArray, int]:
+    # Append to the members a cell and all that are connected with it by cells whose bits are the
+    # wanted ones, and invert `GROUPED` in each. Return the members, in a longer array if they need
+    # one, and their number.
     rows, columns = marks.shape
-    labels[start // columns, start % columns] = label
-    marks[start // columns, start % columns] |= LABELLED
+    marks[start // columns, start % columns] ^= GROUPED
+    if count == members.shape[0]:
+        members = np.concatenate((members, np.empty_like(members)))
     members[count] = start
     reached = count + 1
     while count < reached:
@@ -200,12 +191,13 @@ def _fill(start: int, label: int, layers: Layers, members: IntArray, count: int)
         count += 1
         for s in range(max(0, r - 1), min(rows, r + 2)):
             for d in range(max(0, c - 1), min(columns, c + 2)):
-                if marks[s, d] & (FRONTIER | LABELLED) == FRONTIER:
-                    labels[s, d] = label
-                    marks[s, d] |= LABELLED
+                if marks[s, d] & bits == wanted:
+                    marks[s, d] ^= GROUPED
+                    if reached == members.shape[0]:
+                        members = np.concatenate((members, np.empty_like(members)))
                     members[reached] = s * columns + d
                     reached += 1
-    return count
+    return members, count
 
 
 @kernel

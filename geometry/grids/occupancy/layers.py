@@ -14,7 +14,7 @@ from multisrt.geometry.grids.raster import (
     moved,
     window_over,
 )
-from multisrt.geometry.numerics.arrays import BoolArray, ByteArray, FloatArray, Int32Array
+from multisrt.geometry.numerics.arrays import BoolArray, ByteArray, FloatArray
 from multisrt.geometry.numerics.boxes import bounds_of
 from multisrt.geometry.numerics.kernel import kernel
 
@@ -30,10 +30,10 @@ NEAR: Final = 1
 """The cell's centre is closer to a surface than the body's radius."""
 FRONTIER: Final = 2
 """The cell is free and one of its four neighbours is unknown."""
-LABELLED: Final = 4
-"""The cell has a label: it was frontier when labels were last assigned."""
+GROUPED: Final = 4
+"""The cell is in a group: it was frontier when groups were last put together."""
 
-CELL_BYTES: Final = 7
+CELL_BYTES: Final = 3
 """Memory of one cell in all layers together, in bytes."""
 
 
@@ -51,9 +51,7 @@ class Layers(NamedTuple):
     passable : (rows, columns) array of bool
         Whether the cell is free and not `NEAR` a surface.
     marks : (rows, columns) array of uint8
-        Bits `NEAR`, `FRONTIER` and `LABELLED`.
-    labels : (rows, columns) array of int32
-        The frontier group of each cell that is `LABELLED`.
+        Bits `NEAR`, `FRONTIER` and `GROUPED`.
     """
 
     cell_m: float
@@ -62,7 +60,6 @@ class Layers(NamedTuple):
     states: ByteArray
     passable: BoolArray
     marks: ByteArray
-    labels: Int32Array
 
 
 def empty_layers(cell_m: float) -> Layers:
@@ -74,7 +71,6 @@ def empty_layers(cell_m: float) -> Layers:
         states=np.zeros((0, 0), np.uint8),
         passable=np.zeros((0, 0), np.bool_),
         marks=np.zeros((0, 0), np.uint8),
-        labels=np.zeros((0, 0), np.int32),
     )
 
 
@@ -109,17 +105,7 @@ def grown(layers: Layers, bounds: tuple[float, float, float, float]) -> Layers:
         states=moved(layers.states, held, window),
         passable=moved(layers.passable, held, window),
         marks=moved(layers.marks, held, window),
-        labels=_moved_labels(layers, window),
     )
-
-
-def _moved_labels(layers: Layers, window: Window) -> Int32Array:
-    # Labels are few and the array is large: memory that is never written to is never taken.
-    rows, columns = np.nonzero(layers.marks & LABELLED)
-    larger = np.zeros((window.rows, window.columns), np.int32)
-    below, left = layers.row - window.row, layers.column - window.column
-    larger[rows + below, columns + left] = layers.labels[rows, columns]
-    return larger
 
 
 @kernel

@@ -59,7 +59,7 @@ SPARE_M: Final = 0.1
 """Room on either side of a body in a passage, in metres: a cell of the raster, as frontiers that
 are narrower than the body are left out."""
 
-MIN_REACHED: Final = 0.9
+MIN_REACHED: Final = 2.0 / 3.0
 """Share of the main part that must be reached, with room to spare, by the default body. In other
 maps the body is somewhat smaller than the largest disc that reaches 95 % of it."""
 
@@ -212,7 +212,7 @@ def page(
         f"{len(subjects)} files are maps; {complete} of {len(results)} runs ended complete; "
         f"{hours:.1f} core-hours. Files without a scale were given one: that stated by their "
         f"project, else 0.05 m a pixel and 0.5 m a cell. The body is a disc with "
-        f"a radius of {BODY_M:g} m if one of {BODY_M + SPARE_M:g} m reaches 90 % of the part "
+        f"a radius of {BODY_M:g} m if one of {BODY_M + SPARE_M:g} m reaches two thirds of the part "
         f"that is explored, else one that is {SPARE_M:g} m smaller than the largest that reaches "
         "95 % of it, or half as large. The robots start where the file suggests, or close "
         "together. Coverage is the share of the area that the bodies could see from there; "

@@ -215,6 +215,31 @@ class UtilityOptions(BiddingOptions, frozen=True, kw_only=True, forbid_unknown_f
         self.require("overlap_ranges", 0.0 < self.overlap_ranges < math.inf, "positive")
 
 
+class GainOptions(BiddingOptions, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Parameters of `gain`: those of `BiddingOptions`, and of the rule.
+
+    Attributes
+    ----------
+    power : float
+        Power of the way in the value of a frontier.
+    return_area_m2 : float
+        Area in square metres that stands for the way back to a frontier that is left behind; it is
+        added to the area beyond each.
+    turn_m_per_rad : float
+        Way in metres that a radian of the first turn counts as.
+    """
+
+    power: float = 4.0
+    return_area_m2: float = 5.0
+    turn_m_per_rad: float = 0.3
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self.require("power", 0.0 < self.power < math.inf, "positive")
+        for name in ("return_area_m2", "turn_m_per_rad"):
+            self.require(name, 0.0 <= getattr(self, name) < math.inf, "0 or more")
+
+
 class SelfBiddingOptions(BiddingOptions, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Parameters of `self-bidding` (SBX-R): those of `BiddingOptions`, and of the rule.
 

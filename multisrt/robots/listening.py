@@ -71,6 +71,8 @@ class Listener(ABC):
         Number of the base station; None if there is none.
     base_has : mapping of int to (nodes, closings)
         What the base station had when it was last heard from, as `Entries.have` returns it.
+    base_heard_s : float
+        When the base station was last heard from, in seconds; ``-inf`` if never.
     round_trip_s : float
         Latency of a question and its answer in seconds.
     period_s : float
@@ -88,6 +90,7 @@ class Listener(ABC):
         self.size = me.team
         self.base = None if me.base is None else me.team
         self.base_has: CountsByRobot = {}
+        self.base_heard_s = -math.inf
         self.round_trip_s = 2.0 * me.radio.latency_s
         self.period_s = question_period_s(me.radio, ask_period_s)
         self._clock = robot
@@ -183,6 +186,7 @@ class Listener(ABC):
 
     def _take_from_base(self, message: Message) -> Steps:
         """Take a message of the base station, which is none of the robots."""
+        self.base_heard_s = self._clock.time_s
         match message:
             case WantMessage():
                 yield from self._answer_want(message)

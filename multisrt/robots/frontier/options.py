@@ -5,14 +5,13 @@ from __future__ import annotations
 import math
 from typing import Literal
 
-import msgspec
-
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.regions.shapes import Shape
+from multisrt.robots.homing.options import HomingOptions
 
 
-class FrontierOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Parameters that all strategies of the family share.
+class FrontierOptions(HomingOptions, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Parameters that all strategies of the family share: those of `HomingOptions`, and these.
 
     Attributes
     ----------
@@ -123,6 +122,7 @@ class FrontierOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
     max_vain_motions: int = 4
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         for name in (
             "cell_m",
             "sense_period_s",

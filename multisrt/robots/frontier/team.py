@@ -222,6 +222,13 @@ class Team(Listener):
             to,
         )
 
+    def deliver(self) -> Steps:
+        """Report, and ask the base station what it has: an acknowledgement may have been lost."""
+        yield from self.report()
+        if self.base is not None:
+            have = self._entries.counts()
+            yield Send(WantMessage(sender=self.number, have=have), self.base)
+
     def await_assignment(self) -> Generator[Action, Outcome, AssignmentMessage | None]:
         """Listen until the leader's assignment is heard, for at most the period of questions."""
         until = self._course.time_s + self.period_s

@@ -34,8 +34,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Generator, Iterable
 
-from multisrt.events import Decided
-from multisrt.robots.explorer import Action, Done, Note, Outcome, RobotSelf, Sighting, Steps
+import msgspec
+
+from multisrt.events import Decided, PresumedLost
+from multisrt.robots.explorer import Action, Done, Note, Outcome, RobotSelf, Send, Sighting, Steps
 from multisrt.robots.frontier.bodies import MOVED_M
 from multisrt.robots.frontier.driving import Drive, drive
 from multisrt.robots.frontier.errands import Errand
@@ -45,12 +47,16 @@ from multisrt.robots.frontier.homing import FrontierHoming
 from multisrt.robots.frontier.options import FrontierOptions
 from multisrt.robots.frontier.progress import Event, Progress, State
 from multisrt.robots.frontier.robot import FrontierRobot, Watch
+from multisrt.robots.homing.pairs import Role, Stage
 from multisrt.robots.naming import boxed_in_by
 
 Rule = Callable[[FrontierRobot, Event], Generator[Action, Outcome, Goal | None]]
 """Chooses a goal, given why one is chosen; returns None if there is nothing to go to."""
 
 Act = Generator[Action, Outcome, Event]
+
+MAX_PROPOSALS = 6
+"""How often an explorer proposes an appointment to its relay before it goes on without."""
 
 
 class FrontierExplorer:
@@ -145,6 +151,8 @@ class FrontierExplorer:
                 return (yield from self.set_out(errand))
             goal = yield from self._rule(robot, self.progress.because)
         if robot.homing is not None:
+            if team.requests.meet:
+                yield from self.agree(robot.homing, goal)
             return (yield from self.weigh(robot.homing, goal))
         robot.set_goal(goal)
         return Event.GOAL if goal is not None else self.why_no_goal()
@@ -154,7 +162,42 @@ class FrontierExplorer:
         robot, homing = self.robot, self.robot.homing
         assert homing is not None
         why = homing.reason(robot.course) if robot.team.carries else None
-        return None if why is None else homing.errand(robot.course, robot.path_finder, why)
+        if why is not None:
+            robot.team.requests.meet = False
+            return homing.errand(robot.course, why)
+        pair = homing.pair
+        if robot.team.requests.meet or not homing.meets_now(robot.course):
+            return None
+        if pair.role is Role.RELAY and pair.stage is Stage.UNTIL_DUE:
+            if robot.team.carries and homing.knows_way:
+                return homing.errand(robot.course, f"it carries the news of robot {pair.mate}")
+            pair.set_out()
+        return homing.meeting(robot.course)
+
+    def agree(self, homing: FrontierHoming, goal: Goal | None) -> Steps:
+        """Agree with the relay, which is here, on the next appointment."""
+        robot, team, pair = self.robot, self.robot.team, homing.pair
+        team.requests.meet = False
+        if pair.role is not Role.EXPLORER:
+            return
+        assert pair.mate is not None
+        fits = goal is not None and homing.fits(robot.course, goal)
+        proposal = homing.propose(robot.course, goal if fits else None)
+        for _ in range(MAX_PROPOSALS):
+            have = robot.map.entries.counts()
+            yield Send(msgspec.structs.replace(proposal, have=have), pair.mate)
+            yield from team.pause(team.period_s)
+            if pair.accepted:
+                break
+        team.requests.meet = False
+        made = proposal.appointment
+        text = f"meets robot {pair.mate}, which takes its news"
+        if not pair.accepted:
+            text = f"meets robot {pair.mate}, which accepts no appointment"
+        elif made is not None:
+            text += f"; next at {made.due_s:.0f} s (appointment {made.number})"
+        place = None if made is None else made.place
+        yield Note(Decided(time_s=robot.time_s, robot=robot.me.robot, text=text, goal=place))
 
     def weigh(self, homing: FrontierHoming, goal: Goal | None) -> Act:
         """Take a goal if there is time for it and the way home; else go home, if that is of use."""
@@ -173,7 +216,7 @@ class FrontierExplorer:
             yield from robot.tell_when_complete()
         if self.progress.is_jammed or not (robot.team.carries and homing.knows_way):
             return event
-        errand = homing.errand(robot.course, robot.path_finder, why)
+        errand = homing.errand(robot.course, why)
         return (yield from self.set_out(errand))
 
     def set_out(self, errand: Errand) -> Act:
@@ -190,6 +233,9 @@ class FrontierExplorer:
             yield Note(Decided(time_s=now_s, robot=number, text=text, goal=place))
         if errand.goal is not None:
             return Event.GOAL
+        if errand.kind == "meet" and robot.bodies.all_are_lost():
+            yield from self.end_errand(errand)
+            return Event.NO_WAY
         if self.progress.may_wait and not robot.bodies.all_are_lost():
             return Event.BARRED
         return Event.BOXED_IN
@@ -224,7 +270,7 @@ class FrontierExplorer:
         if ended is Event.INTERRUPTED:
             return self.request()
         if errand is not None:
-            return self.judge_errand(errand, ended)
+            return (yield from self.judge_errand(errand, ended))
         if ended is Event.REACHED and robot.options.sense == "targets":
             yield from robot.perceive()
         if ended is Event.REACHED:
@@ -236,26 +282,34 @@ class FrontierExplorer:
             self.judge_no_path(goal)
         return ended
 
-    def judge_errand(self, errand: Errand, ended: Event) -> Event:
+    def judge_errand(self, errand: Errand, ended: Event) -> Act:
         """Return what a drive on an errand has led to."""
         robot = self.robot
         if ended is Event.REACHED:
             return Event.ARRIVED
         if ended is Event.NO_WAY:
             robot.course.note_no_path()
-            if self.progress.note_no_path(robot.goal.place if robot.goal else robot.at[:2]):
-                self.end_errand(errand, reached=False)
+            assert robot.goal is not None
+            if self.progress.note_no_path(robot.goal.place):
+                yield from self.end_errand(errand)
         elif ended is Event.ERRAND_OVER:
-            self.end_errand(errand, reached=True)
+            yield from self.end_errand(errand)
         return ended
 
-    def end_errand(self, errand: Errand, *, reached: bool) -> None:
+    def end_errand(self, errand: Errand) -> Steps:
         """Record that an errand is over, perhaps in vain."""
-        self._told = None
-        homing = self.robot.homing
+        robot, homing = self.robot, self.robot.homing
         assert homing is not None
-        if not errand.is_over():
-            homing.note_unheard(self.robot.time_s)
+        self._told = None
+        if errand.is_over():
+            return
+        if errand.kind == "home":
+            homing.note_unheard(robot.time_s)
+            return
+        homing.pair.note_in_vain()
+        mate = homing.pair.mate
+        if not homing.pair.is_paired and mate is not None:
+            yield Note(PresumedLost(time_s=robot.time_s, robot=robot.me.robot, other=mate))
 
     def attend(self) -> Act:
         """Wait where an errand leads until it is over, or as long as it allows."""
@@ -266,12 +320,14 @@ class FrontierExplorer:
         while not errand.is_over():
             if robot.team.requests.give_way is not None:
                 return Event.ASKED
+            if robot.team.requests.meet:
+                return Event.ERRAND_OVER
             if robot.time_s >= until_s:
                 break
             robot.team.requests.stop = False
             yield from robot.team.deliver()
             yield from robot.team.pause(robot.team.period_s)
-        self.end_errand(errand, reached=True)
+        yield from self.end_errand(errand)
         return Event.ERRAND_OVER
 
     def judge_no_path(self, goal: Goal) -> None:
@@ -291,7 +347,7 @@ class FrontierExplorer:
         if requests.stop:
             requests.stop = False
             return Event.STOP_SIGNAL
-        return Event.ASSIGNED
+        return Event.ERRAND if requests.meet else Event.ASSIGNED
 
     def meet(self) -> Act:
         """Go round a robot before which the protective stop ended a motion, or ask it to leave."""

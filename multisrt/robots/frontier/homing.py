@@ -27,14 +27,18 @@ from multisrt.robots.frontier.scan_map import ScanMap
 from multisrt.robots.frontier.team import Team
 from multisrt.robots.homing.contact import ContactPlaces
 from multisrt.robots.homing.just_in_time import JustInTime
+from multisrt.robots.homing.pairs import AppointmentMessage, Pair, Role, Stage
 from multisrt.robots.homing.worth import NewsWorth
 
 STANDING_CELLS = 2
 """How far from a node the cell may be, in cells, at which a robot that goes there stands."""
 
+TOUCH_PERIODS = 2.0
+"""For so many periods of its reports a robot counts as in touch with the base station."""
+
 
 def homing_of(
-    me: RobotSelf, options: FrontierOptions, map: ScanMap, team: Team
+    me: RobotSelf, options: FrontierOptions, map: ScanMap, team: Team, paths: PathFinder
 ) -> FrontierHoming | None:
     """Return what brings a robot's news home; None if its options say that nothing does.
 
@@ -45,7 +49,7 @@ def homing_of(
     """
     if options.home == "never" or me.base is None:
         return None
-    return FrontierHoming(me, options, map, team)
+    return FrontierHoming(me, options, map, team, paths)
 
 
 class FrontierHoming:
@@ -61,15 +65,35 @@ class FrontierHoming:
         What it knows.
     team : Team
         Its messages, which tell what the base station knows.
+    paths : PathFinder
+        Its paths.
 
     Attributes
     ----------
     time : JustInTime
         How long ways last, and when the time is over.
+    pair : Pair
+        What it does in its pair; alone unless the robots go in pairs.
     """
 
-    def __init__(self, me: RobotSelf, options: FrontierOptions, map: ScanMap, team: Team) -> None:
+    def __init__(
+        self,
+        me: RobotSelf,
+        options: FrontierOptions,
+        map: ScanMap,
+        team: Team,
+        paths: PathFinder,
+    ) -> None:
         self.time = JustInTime.of(me, options)
+        assert me.base is not None
+        self.pair = Pair(
+            me.robot, me.team, base=me.base, period_s=options.home_period_s, now_s=me.time_s
+        )
+        if options.home == "relays":
+            team.pair = self.pair
+        else:
+            self.pair.part()
+        self._paths = paths
         self._options = options
         self._map = map
         self._team = team
@@ -80,8 +104,8 @@ class FrontierHoming:
         self._sources: dict[Place, None] = {}
         self._field: DistanceField | None = None
         self._revision = -1
-        # Until then there is time, wherever the robot drives.
-        self._in_time_s = -math.inf
+        # Until then there is time, wherever the robot drives: to go home, and to meet the mate.
+        self._in_time_s = self._not_due_s = -math.inf
         self._judged: tuple[object, ...] = ()
         self._is_worth_it = False
         # Since when nothing was heard of the base station where it should have been.
@@ -90,8 +114,10 @@ class FrontierHoming:
     # When -----------------------------------------------------------------------------------
 
     def calls(self, course: Course) -> bool:
-        """Whether the robot is to go home now."""
-        return self._team.carries and self.reason(course) is not None
+        """Whether the robot is to end what it does: to go home now, or to meet its mate."""
+        if self._team.carries and self.reason(course) is not None:
+            return True
+        return self.meets_now(course)
 
     def reason(self, course: Course) -> str | None:
         """Return why the robot is to go home now, in words; None if there is no reason.
@@ -102,10 +128,20 @@ class FrontierHoming:
             return None
         if self._is_late(course):
             return f"the limit of {self.time.limit_s:g} s leaves time for the way home only"
-        if self._options.home == "worth" and self._is_worth():
+        if self._goes_if_worth and not self.is_in_touch(course) and self._is_worth():
             share = self._options.home_ratio
             return f"the base station knows less than {share:.0%} of what it knows"
         return None
+
+    @property
+    def _goes_if_worth(self) -> bool:
+        home = self._options.home
+        return home == "worth" or (home == "relays" and not self.pair.is_paired)
+
+    def is_in_touch(self, course: Course) -> bool:
+        """Whether the base station was heard lately: it acknowledges news at once."""
+        lately_s = TOUCH_PERIODS * self._options.report_period_s
+        return course.time_s <= self._team.base_heard_s + lately_s
 
     @property
     def knows_way(self) -> bool:
@@ -157,14 +193,103 @@ class FrontierHoming:
             self._judged = judged
         return self._is_worth_it
 
+    # Pairs ----------------------------------------------------------------------------------
+
+    def meets_now(self, course: Course) -> bool:
+        """Whether the robot is on an errand of its pair, or has to set out for one."""
+        pair = self.pair
+        if pair.role is Role.ALONE:
+            return False
+        if pair.role is Role.RELAY:
+            return self.knows_target(course)
+        if pair.stage is Stage.UNTIL_DUE and self._is_due(course):
+            pair.set_out()
+        return pair.stage is not Stage.UNTIL_DUE
+
+    def _is_due(self, course: Course) -> bool:
+        """Whether an explorer has to set out now to meet its relay in time."""
+        now_s = course.time_s
+        if now_s < self._not_due_s or (self.hears_mate(now_s) and not self._team.carries):
+            return False
+        way_s = self.time.way_s(self._length_between(course.at[:2], self.pair.target()))
+        left_s = (self.pair.appointment.due_s - now_s - way_s) / self.time.losing
+        self._not_due_s = now_s + left_s - 2.0 * self._options.sense_period_s
+        return math.isfinite(way_s) and left_s < 2.0 * self._options.sense_period_s
+
+    def hears_mate(self, now_s: float) -> bool:
+        """Whether the mate was heard lately."""
+        assert self.pair.mate is not None
+        heard_s = self._team.mates.last_heard_s(self.pair.mate)
+        return now_s <= heard_s + TOUCH_PERIODS * self._options.report_period_s
+
+    def knows_target(self, course: Course) -> bool:
+        """Whether the robot knows a way to where it meets its mate."""
+        return math.isfinite(self._length_between(course.at[:2], self.pair.target()))
+
+    def meeting(self, course: Course) -> Errand:
+        """Return the errand to meet the mate, at the place of the present stage."""
+        pair, wait_s = self.pair, self._options.home_wait_s
+        number, stage = pair.appointment.number, pair.stage
+        until_s, patience_s = pair.appointment.due_s + wait_s, wait_s
+        if stage is Stage.BACKUP:
+            # Long enough for a mate that has waited, and comes from the other place.
+            between_m = self._length_between(pair.appointment.place, pair.appointment.backup)
+            patience_s += wait_s + (self.time.way_s(between_m) if between_m < math.inf else 0.0)
+        return Errand(
+            kind="meet",
+            why=f"robot {pair.mate}, at {'the backup of ' * (stage is Stage.BACKUP)}"
+            f"appointment {number}",
+            goal=self._goal_near(pair.target()),
+            is_over=lambda: pair.appointment.number != number
+            or not pair.is_paired
+            or (self._team.carries and self.reason(course) is not None),
+            until_s=until_s,
+            patience_s=patience_s,
+        )
+
+    def propose(self, course: Course, goal: Goal | None) -> AppointmentMessage:
+        """Return an explorer's proposal for the next appointment, by where it goes next."""
+        round_s = 0.0
+        place = None if goal is None else goal.place
+        if place is not None:
+            home_m = self.length_from(course.at[:2]), self.length_from(place)
+            if all(map(math.isfinite, home_m)):
+                round_s = sum(map(self.time.way_s, home_m)) + self.time.reserve_s
+        have = self._map.entries.counts()
+        self._not_due_s = -math.inf
+        return self.pair.propose(place, course.time_s, round_s, have, self._team.number)
+
+    def _goal_near(self, place: Place) -> Goal | None:
+        """Return the passable cell nearest to a place as a goal, around bodies."""
+        cell = self._map.raster.passable_near(*place, NEAR_BY_CELLS)
+        if cell is None:
+            return None
+        x, y = self._map.raster.centre_of(*cell)
+        with self._paths.around_bodies():
+            field = self._paths.own_field()
+            if field is None:
+                return None
+            if not math.isfinite(field.distance(indices_of(self._map.raster, np.array([(x, y)])))[0]):
+                return None
+            return self._paths.goal_at(field, x, y)
+
+    def _length_between(self, here: Place, there: Place) -> float:
+        """Return the length of the path between two places, without regard to bodies."""
+        field = self._paths.field(*there)
+        cell = self._map.raster.passable_near(*here, NEAR_BY_CELLS)
+        if field is None or cell is None:
+            return math.inf
+        centre = np.array([self._map.raster.centre_of(*cell)])
+        return float(field.distance(indices_of(self._map.raster, centre))[0])
+
     # Where ----------------------------------------------------------------------------------
 
-    def errand(self, course: Course, paths: PathFinder, why: str) -> Errand:
+    def errand(self, course: Course, why: str) -> Errand:
         """Return the errand to deliver what the robot carries."""
         return Errand(
             kind="home",
             why=why,
-            goal=self._goal(course, paths),
+            goal=self._goal(course),
             is_over=lambda: not self._team.carries,
             patience_s=self._options.home_wait_s,
         )
@@ -203,7 +328,7 @@ class FrontierHoming:
         centre = self._map.raster.centre_of(*cell)
         return math.dist(place, centre) + float(self.lengths(np.array([centre]))[0])
 
-    def _goal(self, course: Course, paths: PathFinder) -> Goal | None:
+    def _goal(self, course: Course) -> Goal | None:
         """Return where to go for the base station to hear the robot, around bodies."""
         raster, here = self._map.raster, course.at[:2]
         if self._contact.hears(*here) and not self._unheard_s:
@@ -212,6 +337,7 @@ class FrontierHoming:
         nearest = self._end_of_way(here)
         if self._unheard_s:
             places = [min(places, key=lambda place: math.dist(place, self._contact.base))]
+        paths = self._paths
         with paths.around_bodies():
             field = paths.own_field()
             if field is None:

@@ -106,7 +106,7 @@ class FrontierRobot:
         self.frontiers = Frontiers(raster, width_m, width_m if least_m is None else least_m)
         self.path_finder = PathFinder(self.body, options, self.course, self.map, self.bodies)
         self.team = Team(me, options, self.course, self.map, self.bodies, self.frontiers)
-        self.homing = homing_of(me, options, self.map, self.team)
+        self.homing = homing_of(me, options, self.map, self.team, self.path_finder)
         drive = me.kinematics
         self.car = (
             CarDriver(me, drive, options, self.course, self.map, self.bodies)
@@ -231,6 +231,9 @@ class FrontierRobot:
         yield from self.perceive()
         if not self.team.is_alone:
             yield from self.team.report(asks=True)
+            yield from self.team.pause(self.team.round_trip_s)
+        elif self.homing is not None:
+            # Whether the base station is in touch.
             yield from self.team.pause(self.team.round_trip_s)
 
     def perceive(self, maps: bool = True) -> Steps:

@@ -35,8 +35,9 @@ from multisrt.robots.frontier.options import FrontierOptions
 from multisrt.robots.frontier.requests import Requests
 from multisrt.robots.frontier.scan_map import ScanMap
 from multisrt.robots.frontier.teammates import Teammates
+from multisrt.robots.homing.pairs import AppointmentMessage, Pair, ReadyMessage, Role
 from multisrt.robots.knowledge import EntriesMessage, Entry, Node, NodeId, WantMessage
-from multisrt.robots.listening import Listener, have_of
+from multisrt.robots.listening import Listener, counts_beyond, have_of
 from multisrt.robots.messages import Message
 
 LATELY_PERIODS = 2.0
@@ -125,6 +126,8 @@ class Team(Listener):
         Utility: answers a robot, given its number, that wants a goal from this one.
     stops : StopSignals
         Self-bidding: which stop signals it has sent.
+    pair : Pair or None
+        What this robot does in its pair, if the robots go in pairs of explorer and relay.
     """
 
     ends_pauses_on_time = True
@@ -148,6 +151,7 @@ class Team(Listener):
         self.assignments = Assignments(me.robot, self.period_s)
         self.answer: Callable[[int], Steps] | None = None
         self.stops = StopSignals()
+        self.pair: Pair | None = None
         self._answers = options.answers
         self._me = me
         self._course = course
@@ -270,6 +274,12 @@ class Team(Listener):
                 self._take_stop(message)
             case AssignmentMessage():
                 self.requests.assignment = message
+            case ReadyMessage():
+                if self.pair is not None and self.pair.role is Role.EXPLORER:
+                    self.requests.meet = True
+            case AppointmentMessage():
+                if self.pair is not None:
+                    yield from self._take_appointment(self.pair, message)
             case InaccessibleMessage():
                 self._take_inaccessible(message)
             case SwapMessage():
@@ -288,6 +298,35 @@ class Team(Listener):
             yield from self.report(to=message.sender, answers=message.asks)
         if own.have != self._entries.counts():
             yield from self._ask_for_missing(own.robot, own.have)
+        yield from self._tell_ready(own)
+
+    def _take_appointment(self, pair: Pair, message: AppointmentMessage) -> Steps:
+        if message.accepts:
+            pair.take_acceptance(message)
+            return
+        lacks = counts_beyond(message.have, self._entries.have())
+        if lacks:
+            # The explorer proposes it again.
+            yield from self._ask_for_missing(message.sender, message.have)
+            return
+        pair.accept(message)
+        answer = AppointmentMessage(
+            sender=self.number,
+            appointment=message.appointment,
+            have=self._entries.counts(),
+            accepts=True,
+        )
+        yield Send(answer, message.sender)
+
+    def _tell_ready(self, report: RobotReport) -> Steps:
+        """Tell the explorer of the pair that its relay is here, if it has news."""
+        pair, now_s = self.pair, self._course.time_s
+        if pair is None or report.robot != pair.mate or not pair.is_paired:
+            return
+        has_news = counts_beyond(report.have, self.base_has)
+        if has_news and pair.is_ready(now_s, self.period_s):
+            ready = ReadyMessage(sender=self.number, number=pair.appointment.number)
+            yield Send(ready, report.robot)
 
     def _take_stop(self, message: StopMessage) -> None:
         goal = self._course.goal

@@ -34,12 +34,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Generator, Iterable
 
-import msgspec
-
-from multisrt.events import Decided, PresumedLost
-from multisrt.robots.explorer import Action, Done, Note, Outcome, RobotSelf, Send, Sighting, Steps
+from multisrt.events import Decided
+from multisrt.robots.explorer import Action, Done, Note, Outcome, RobotSelf, Sighting, Steps
 from multisrt.robots.frontier.bodies import MOVED_M
 from multisrt.robots.frontier.driving import Drive, drive
+from multisrt.robots.frontier.errand_steps import agree, end_errand, errand_now
 from multisrt.robots.frontier.errands import Errand
 from multisrt.robots.frontier.giving_way import ask_to_leave, find_detour, give_way
 from multisrt.robots.frontier.goal import Goal
@@ -47,16 +46,12 @@ from multisrt.robots.frontier.homing import FrontierHoming
 from multisrt.robots.frontier.options import FrontierOptions
 from multisrt.robots.frontier.progress import Event, Progress, State
 from multisrt.robots.frontier.robot import FrontierRobot, Watch
-from multisrt.robots.homing.pairs import Role, Stage
 from multisrt.robots.naming import boxed_in_by
 
 Rule = Callable[[FrontierRobot, Event], Generator[Action, Outcome, Goal | None]]
 """Chooses a goal, given why one is chosen; returns None if there is nothing to go to."""
 
 Act = Generator[Action, Outcome, Event]
-
-MAX_PROPOSALS = 6
-"""How often an explorer proposes an appointment to its relay before it goes on without."""
 
 
 class FrontierExplorer:
@@ -147,77 +142,34 @@ class FrontierExplorer:
         self._errand = None
         if not self.progress.is_jammed:
             team.phase = "choosing"
-            if robot.homing is not None and (errand := self.errand_now()) is not None:
+            if (errand := errand_now(robot)) is not None:
                 return (yield from self.set_out(errand))
             goal = yield from self._rule(robot, self.progress.because)
         if robot.homing is not None:
-            if team.requests.meet:
-                yield from self.agree(robot.homing, goal)
             return (yield from self.weigh(robot.homing, goal))
         robot.set_goal(goal)
         return Event.GOAL if goal is not None else self.why_no_goal()
-
-    def errand_now(self) -> Errand | None:
-        """Return the errand that comes before all exploration, if there is one."""
-        robot, homing = self.robot, self.robot.homing
-        assert homing is not None
-        why = homing.reason(robot.course) if robot.team.carries else None
-        if why is not None:
-            robot.team.requests.meet = False
-            return homing.errand(robot.course, why)
-        pair = homing.pair
-        if robot.team.requests.meet or not homing.meets_now(robot.course):
-            return None
-        if pair.role is Role.RELAY and pair.stage is Stage.UNTIL_DUE:
-            if robot.team.carries and homing.knows_way:
-                return homing.errand(robot.course, f"it carries the news of robot {pair.mate}")
-            pair.set_out()
-        return homing.meeting(robot.course)
-
-    def agree(self, homing: FrontierHoming, goal: Goal | None) -> Steps:
-        """Agree with the relay, which is here, on the next appointment."""
-        robot, team, pair = self.robot, self.robot.team, homing.pair
-        team.requests.meet = False
-        if pair.role is not Role.EXPLORER:
-            return
-        assert pair.mate is not None
-        fits = goal is not None and homing.fits(robot.course, goal)
-        proposal = homing.propose(robot.course, goal if fits else None)
-        for _ in range(MAX_PROPOSALS):
-            have = robot.map.entries.counts()
-            yield Send(msgspec.structs.replace(proposal, have=have), pair.mate)
-            yield from team.pause(team.period_s)
-            if pair.accepted:
-                break
-        team.requests.meet = False
-        made = proposal.appointment
-        text = f"meets robot {pair.mate}, which takes its news"
-        if not pair.accepted:
-            text = f"meets robot {pair.mate}, which accepts no appointment"
-        elif made is not None:
-            text += f"; next at {made.due_s:.0f} s (appointment {made.number})"
-        place = None if made is None else made.place
-        yield Note(Decided(time_s=robot.time_s, robot=robot.me.robot, text=text, goal=place))
 
     def weigh(self, homing: FrontierHoming, goal: Goal | None) -> Act:
         """Take a goal if there is time for it and the way home; else go home, if that is of use."""
         robot, why = self.robot, "it knows of nothing that is left to explore"
         robot.set_goal(goal)
-        if goal is not None:
-            if homing.fits(robot.course, goal):
-                return Event.GOAL
-            why, event = "there is no time for its next goal and the way home", Event.OUT_OF_TIME
-            robot.set_goal(None)
-        else:
+        if goal is None:
             event = self.why_no_goal()
-        if event not in (Event.OUT_OF_TIME, Event.EXPLORED, Event.JAMMED, Event.BOXED_IN):
-            return event
+        elif homing.fits(robot.course, goal):
+            event = Event.GOAL
+        else:
+            robot.set_goal(None)
+            why, event = "there is no time for its next goal and the way home", Event.OUT_OF_TIME
+        is_done = event in (Event.OUT_OF_TIME, Event.EXPLORED, Event.JAMMED, Event.BOXED_IN)
+        if robot.team.requests.meet:
+            following = robot.at[:2] if goal is None else goal.place
+            yield from agree(robot, homing, None if is_done else following)
         if event is Event.EXPLORED:
             yield from robot.tell_when_complete()
-        if self.progress.is_jammed or not (robot.team.carries and homing.knows_way):
+        if not is_done or self.progress.is_jammed or not homing.may_deliver(robot.course):
             return event
-        errand = homing.errand(robot.course, why)
-        return (yield from self.set_out(errand))
+        return (yield from self.set_out(homing.errand(robot.course, why)))
 
     def set_out(self, errand: Errand) -> Act:
         """Begin an errand; wait if bodies bar all paths."""
@@ -233,12 +185,10 @@ class FrontierExplorer:
             yield Note(Decided(time_s=now_s, robot=number, text=text, goal=place))
         if errand.goal is not None:
             return Event.GOAL
-        if errand.kind == "meet" and robot.bodies.all_are_lost():
-            yield from self.end_errand(errand)
-            return Event.NO_WAY
         if self.progress.may_wait and not robot.bodies.all_are_lost():
             return Event.BARRED
-        return Event.BOXED_IN
+        yield from self.end_errand(errand, barred=True)
+        return Event.NO_WAY
 
     def why_no_goal(self) -> Event:
         """Return what a robot without a goal is to do."""
@@ -296,20 +246,10 @@ class FrontierExplorer:
             yield from self.end_errand(errand)
         return ended
 
-    def end_errand(self, errand: Errand) -> Steps:
-        """Record that an errand is over, perhaps in vain."""
-        robot, homing = self.robot, self.robot.homing
-        assert homing is not None
+    def end_errand(self, errand: Errand, *, barred: bool = False) -> Steps:
+        """Record that an errand is over, perhaps in vain, or as bodies bar all paths."""
         self._told = None
-        if errand.is_over():
-            return
-        if errand.kind == "home":
-            homing.note_unheard(robot.time_s)
-            return
-        homing.pair.note_in_vain()
-        mate = homing.pair.mate
-        if not homing.pair.is_paired and mate is not None:
-            yield Note(PresumedLost(time_s=robot.time_s, robot=robot.me.robot, other=mate))
+        yield from end_errand(self.robot, errand, barred=barred)
 
     def attend(self) -> Act:
         """Wait where an errand leads until it is over, or as long as it allows."""

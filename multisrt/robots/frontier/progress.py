@@ -45,7 +45,7 @@ WAITING       Only bodies that may still leave bar the paths to the last frontie
 ATTENDING     The robot is where its errand leads, and waits for the base station's acknowledgement,
               or for its mate.
 BOXED_IN      Bodies that do not leave bar them; the robot is done until it hears something new.
-OUT_OF_TIME   No time is left to go on and come home; the robot is done until it hears something new.
+OUT_OF_TIME   No time is left to go on and come home; it is done until it hears something new.
 COMPLETE      No frontier is left that it can reach; the robot is done until it hears something new.
 ============  ======================================================================================
 

@@ -25,7 +25,7 @@ from multisrt.robots.frontier.course import Course
 from multisrt.robots.frontier.fields import indices_of
 from multisrt.robots.frontier.frontiers import Frontiers
 from multisrt.robots.frontier.goal import Goal
-from multisrt.robots.frontier.homing import homing_of
+from multisrt.robots.frontier.homing import FrontierHoming
 from multisrt.robots.frontier.options import FrontierOptions
 from multisrt.robots.frontier.path_finder import PathFinder
 from multisrt.robots.frontier.scan_map import ScanMap, raster_for
@@ -106,7 +106,11 @@ class FrontierRobot:
         self.frontiers = Frontiers(raster, width_m, width_m if least_m is None else least_m)
         self.path_finder = PathFinder(self.body, options, self.course, self.map, self.bodies)
         self.team = Team(me, options, self.course, self.map, self.bodies, self.frontiers)
-        self.homing = homing_of(me, options, self.map, self.team, self.path_finder)
+        self.homing = (
+            None
+            if options.home == "never" or me.base is None
+            else FrontierHoming(me, options, self.map, self.team, self.path_finder, self.bodies)
+        )
         drive = me.kinematics
         self.car = (
             CarDriver(me, drive, options, self.course, self.map, self.bodies)

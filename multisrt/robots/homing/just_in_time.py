@@ -1,10 +1,10 @@
 """Home just in time: whether what a robot carries can still be delivered before the time is over.
 
 A robot is to turn back as late as possible, and never too late. A way of length `d` is taken to
-last ``d / speed * (1 + margin)``, and half a turn at its beginning; at home a reserve is left. What
-remains of the time after the way home and the reserve is the *slack*. While a robot drives away from
-home it loses ``2 + margin`` seconds of slack each second at most: one of the clock, the others of
-the way back that grows. So the slack need not be worked out at every step.
+last ``d / speed * (1 + margin)``, and half a turn at its beginning; at home a reserve is left.
+What remains of the time after the way home and the reserve is the *slack*. While a robot drives
+away from home it loses ``2 + margin`` seconds of slack each second at most: one of the clock, the
+others of the way back that grows. So the slack need not be worked out at every step.
 
 Source: J. de Hoog, S. Cameron and A. Visser, Role-based autonomous multi-robot exploration,
 COGNITIVE 2009, where an explorer turns back in time to meet its relay. Differs in: what ends the

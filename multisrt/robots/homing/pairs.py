@@ -179,9 +179,7 @@ class Pair:
         self.role = Role.RELAY if number % 2 else Role.EXPLORER
         if self.mate is None:
             self.role = Role.ALONE
-        self.appointment = Appointment(
-            number=0, place=base, backup=base, due_s=now_s + period_s
-        )
+        self.appointment = Appointment(number=0, place=base, backup=base, due_s=now_s + period_s)
         # A relay begins as if it had delivered: it goes to the first place at once.
         self.stage = Stage.PLACE if self.role is Role.RELAY else Stage.UNTIL_DUE
         self.proposed: Appointment | None = None

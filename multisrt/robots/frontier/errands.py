@@ -32,6 +32,8 @@ class Errand:
         later than `patience_s` before that.
     patience_s : float
         Minimum time for which it waits there, in seconds.
+    heard_s : callable
+        When the robot that it waits for was last heard; it waits for `patience_s` from then on.
     """
 
     kind: ErrandKind
@@ -40,11 +42,16 @@ class Errand:
     is_over: Callable[[], bool]
     until_s: float = -math.inf
     patience_s: float = 0.0
+    heard_s: Callable[[], float] = lambda: -math.inf
 
     @property
     def what(self) -> str:
         """What the robot does, in words."""
         return "goes home" if self.kind == "home" else "goes to meet its mate"
+
+    def is_late(self, now_s: float) -> bool:
+        """Whether a robot that is still on its way need not come any more."""
+        return math.isfinite(self.until_s) and now_s >= self.until_s + self.patience_s
 
     def waits_until_s(self, arrived_s: float) -> float:
         """Return when a robot that came at some time goes on at the latest.
@@ -57,4 +64,4 @@ class Errand:
         >>> wait.waits_until_s(20.0), wait.waits_until_s(90.0)
         (100.0, 120.0)
         """
-        return max(self.until_s, arrived_s + self.patience_s)
+        return max(self.until_s, max(arrived_s, self.heard_s()) + self.patience_s)

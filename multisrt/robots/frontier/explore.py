@@ -162,6 +162,9 @@ class FrontierExplorer:
             robot.set_goal(None)
             why, event = "there is no time for its next goal and the way home", Event.OUT_OF_TIME
         is_done = event in (Event.OUT_OF_TIME, Event.EXPLORED, Event.JAMMED, Event.BOXED_IN)
+        if is_done and robot.team.carries:
+            # The answer to the last report may be on its way.
+            yield from robot.team.pause(robot.team.round_trip_s)
         if robot.team.requests.meet:
             following = robot.at[:2] if goal is None else goal.place
             yield from agree(robot, homing, None if is_done else following)
@@ -213,7 +216,13 @@ class FrontierExplorer:
         if errand is None:
             ended = yield from self._drive(robot, goal)
         else:
-            ended = yield from drive(robot, goal, "home", to_see=False, until=errand.is_over)
+            ended = yield from drive(
+                robot,
+                goal,
+                "home",
+                to_see=False,
+                until=lambda: errand.is_over() or errand.is_late(robot.time_s),
+            )
         if isinstance(ended, Sighting):
             self._met = ended
             return Event.MET
@@ -256,13 +265,13 @@ class FrontierExplorer:
         robot, errand = self.robot, self._errand
         assert errand is not None
         robot.team.phase = "idle"
-        until_s = errand.waits_until_s(robot.time_s)
+        arrived_s = robot.time_s
         while not errand.is_over():
             if robot.team.requests.give_way is not None:
                 return Event.ASKED
             if robot.team.requests.meet:
                 return Event.ERRAND_OVER
-            if robot.time_s >= until_s:
+            if robot.time_s >= errand.waits_until_s(arrived_s):
                 break
             robot.team.requests.stop = False
             yield from robot.team.deliver()

@@ -20,14 +20,11 @@ from multisrt.robots.frontier.goal import Goal, Place
 from multisrt.robots.frontier.options import FrontierOptions
 from multisrt.robots.frontier.path_finder import PathFinder
 from multisrt.robots.frontier.scan_map import ScanMap
-from multisrt.robots.frontier.team import Team
+from multisrt.robots.frontier.team import TOUCH_PERIODS, Team
 from multisrt.robots.frontier.ways import Ways
 from multisrt.robots.homing.just_in_time import JustInTime
 from multisrt.robots.homing.pairs import AppointmentMessage, Pair, Role, Stage
 from multisrt.robots.homing.worth import NewsWorth
-
-TOUCH_PERIODS = 2.0
-"""For so many periods of its reports a robot counts as in touch with the base station."""
 
 
 class FrontierHoming:
@@ -108,7 +105,7 @@ class FrontierHoming:
             return f"the limit of {self.time.limit_s:g} s leaves time for the way home only"
         if (
             self._goes_if_worth
-            and not self.is_in_touch(course)
+            and not self._team.is_in_touch
             and self._is_worth()
             and math.isfinite(self._ways.length_from(course.at[:2]))
         ):
@@ -120,11 +117,6 @@ class FrontierHoming:
     def _goes_if_worth(self) -> bool:
         home = self._options.home
         return home == "worth" or (home == "relays" and not self.pair.is_paired)
-
-    def is_in_touch(self, course: Course) -> bool:
-        """Whether the base station was heard lately: it acknowledges news at once."""
-        lately_s = TOUCH_PERIODS * self._options.report_period_s
-        return course.time_s <= self._team.base_heard_s + lately_s
 
     @property
     def _may_be_heard(self) -> bool:
@@ -176,11 +168,8 @@ class FrontierHoming:
         return False
 
     def _is_worth(self) -> bool:
-        if not self._team.carries:
-            self._is_worth_it = False
-            return False
         judged = (self._map.entries.counts(), self._team.base_has)
-        if not self._is_worth_it and judged != self._judged:
+        if judged != self._judged:
             ratio = self._worth.ratio(self._team.base_has)
             self._is_worth_it = ratio < self._options.home_ratio
             self._judged = judged
@@ -202,12 +191,19 @@ class FrontierHoming:
     def _is_due(self, course: Course) -> bool:
         """Whether an explorer has to set out now to meet its relay in time."""
         now_s = course.time_s
-        if now_s < self._not_due_s or (self.hears_mate(now_s) and not self._team.carries):
+        is_linked = self._team.is_in_touch or not self._team.carries
+        if now_s < self._not_due_s or (is_linked and self.hears_mate(now_s)):
             return False
         way_s = self.time.way_s(self._ways.length_between(course.at[:2], self.pair.target()))
         left_s = (self.pair.appointment.due_s - now_s - way_s) / self.time.losing
         self._not_due_s = now_s + left_s - 2.0 * self._options.sense_period_s
         return math.isfinite(way_s) and left_s < 2.0 * self._options.sense_period_s
+
+    def _mate_heard_s(self) -> float:
+        """Return when a relay last heard its mate: as long as it does there is no hurry."""
+        if self.pair.role is not Role.RELAY or self.pair.mate is None:
+            return -math.inf
+        return self._team.mates.last_heard_s(self.pair.mate)
 
     def hears_mate(self, now_s: float) -> bool:
         """Whether the mate was heard lately."""
@@ -240,6 +236,7 @@ class FrontierHoming:
             ),
             until_s=until_s,
             patience_s=patience_s,
+            heard_s=self._mate_heard_s,
         )
 
     def propose(self, course: Course, place: Place | None) -> AppointmentMessage:

@@ -43,6 +43,9 @@ from multisrt.robots.messages import Message
 LATELY_PERIODS = 2.0
 """For so many periods of questions, a robot counts as having asked just now."""
 
+TOUCH_PERIODS = 2.0
+"""For so many periods of its reports a robot counts as in touch with one that was heard."""
+
 SAME_GOAL_M = 1e-9
 """Goals closer than this are the same."""
 
@@ -153,6 +156,7 @@ class Team(Listener):
         self.stops = StopSignals()
         self.pair: Pair | None = None
         self._answers = options.answers
+        self._report_period_s = options.report_period_s
         self._me = me
         self._course = course
         self._map = map
@@ -162,6 +166,11 @@ class Team(Listener):
         # Serial number of the first node of its own that is not yet part of a report.
         self._unreported = 0
         self._offered_s: dict[int, float] = {}
+
+    @property
+    def is_in_touch(self) -> bool:
+        """Whether the base station was heard lately: it acknowledges news at once."""
+        return self._course.time_s <= self.base_heard_s + TOUCH_PERIODS * self._report_period_s
 
     def present(self) -> list[RobotReport]:
         """Return the reports of the robots to take into account; see `Teammates.present`."""
@@ -319,12 +328,16 @@ class Team(Listener):
         yield Send(answer, message.sender)
 
     def _tell_ready(self, report: RobotReport) -> Steps:
-        """Tell the explorer of the pair that its relay is here, if it has news."""
+        """Tell the explorer of the pair that its relay is here, for its news or as it is time."""
         pair, now_s = self.pair, self._course.time_s
         if pair is None or report.robot != pair.mate or not pair.is_paired:
             return
-        has_news = counts_beyond(report.have, self.base_has)
-        if has_news and pair.is_ready(now_s, self.period_s):
+        # Before the time, it stops its explorer for news only that do not come home as it is.
+        radio = self._me.radio
+        is_linked = (radio.multi_hop or radio.reaches_all) and self.is_in_touch
+        has_news = not is_linked and counts_beyond(report.have, self.base_has)
+        is_due = now_s >= pair.appointment.due_s
+        if (has_news or is_due) and pair.is_ready(now_s, self.period_s):
             ready = ReadyMessage(sender=self.number, number=pair.appointment.number)
             yield Send(ready, report.robot)
 

@@ -137,14 +137,13 @@ class Ways:
 
     def goal_near(self, place: Place) -> Goal | None:
         """Return the passable cell nearest to a place as a goal, around bodies."""
-        cell = self._map.raster.passable_near(*place, NEAR_BY_CELLS)
-        if cell is None:
-            return None
-        x, y = self._map.raster.centre_of(*cell)
-        index = indices_of(self._map.raster, np.array([(x, y)]))
+        raster = self._map.raster
         with self._paths.around_bodies():
-            field = self._paths.own_field()
-            if field is None or not math.isfinite(field.distance(index)[0]):
+            cell, field = raster.passable_near(*place, NEAR_BY_CELLS), self._paths.own_field()
+            if cell is None or field is None:
+                return None
+            x, y = raster.centre_of(*cell)
+            if not math.isfinite(field.distance(indices_of(raster, np.array([(x, y)])))[0]):
                 return None
             return self._paths.goal_at(field, x, y)
 

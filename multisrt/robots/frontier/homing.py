@@ -211,6 +211,10 @@ class FrontierHoming:
         heard_s = self._team.mates.last_heard_s(self.pair.mate)
         return now_s <= heard_s + TOUCH_PERIODS * self._options.report_period_s
 
+    def may_dismiss_mate(self, now_s: float) -> bool:
+        """Whether the robot is an explorer whose relay hears it."""
+        return self.pair.role is Role.EXPLORER and self.hears_mate(now_s)
+
     def knows_target(self, course: Course) -> bool:
         """Whether the robot knows a way to where it meets its mate."""
         return math.isfinite(self._ways.length_between(course.at[:2], self.pair.target()))

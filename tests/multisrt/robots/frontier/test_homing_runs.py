@@ -1,5 +1,6 @@
 """Robots that go to frontiers bring news home: in corridors, with answers worked out by hand."""
 
+import itertools
 import math
 
 import numpy as np
@@ -297,7 +298,7 @@ def test_it_goes_home_when_the_share_that_is_known_there_falls_below_the_ratio()
         assert share(time_s - 2.0) > 0.7 - 0.02
     # In the corridor the share is the ratio of lengths seen; so each trip is 1 / 0.7 times longer.
     far = [place_at(recording, time_s)[0] + 4.0 for time_s in turns]
-    for one, following in zip(far[1:], far[2:], strict=False):
+    for one, following in itertools.pairwise(far[1:]):
         assert following / one == pytest.approx(1.0 / 0.7, rel=0.06)
     metrics = measure(recording, NARROW)
     assert metrics.delivered_coverage == same(metrics.coverage)
@@ -339,7 +340,7 @@ def test_the_relay_brings_home_what_the_explorer_found():
     assert sum(len(e.nodes) for e in by_relay) >= 30
     # Each appointment is kept before half a minute after its time.
     agreed = [e for e in recording.of(Decided) if "(appointment" in e.text]
-    for e, following in zip(agreed, agreed[1:], strict=False):
+    for e, following in itertools.pairwise(agreed):
         due_s = float(e.text.split("next at ")[1].split(" s")[0])
         assert following.time_s <= due_s + 30.0
         # Its place is the next goal of the explorer.

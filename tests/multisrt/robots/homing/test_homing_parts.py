@@ -72,7 +72,7 @@ def test_a_limit_too_short_from_the_start_is_refused():
         JustInTime.of(self_with(**far, limit_s=36.9), HomingOptions())
     assert "\n" not in str(told.value)
     # A robot that begins late has less time.
-    with pytest.raises(InvalidInputError, match="begins at 5 s.* of at least 42 s"):
+    with pytest.raises(InvalidInputError, match=r"begins at 5 s.* of at least 42 s"):
         JustInTime.of(self_with(**far, limit_s=37.0, time_s=5.0), HomingOptions())
 
 
@@ -92,7 +92,10 @@ def test_invalid_options_are_refused(wrong):
         HomingOptions(**wrong)
 
 
-def run_of(home, *, robots=2, base=BaseSpec(x=1.0, y=1.0), name="minpos"):
+BASE = BaseSpec(x=1.0, y=1.0)
+
+
+def run_of(home, *, robots=2, base=BASE, name="minpos"):
     return RunSpec(
         environment=CatalogEnvironment(name="open"),
         strategy=name,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from multisrt.geometry.numerics.distances import inside
-from multisrt.robots.knowledge import Entries, Node
+from multisrt.robots.knowledge import Entries, Node, NodeId
 from multisrt.robots.robot_self import RobotSelf
 
 Place = tuple[float, float]
@@ -32,6 +32,8 @@ class ContactPlaces:
         Where the base station is, in metres.
     places : list of (x, y)
         The places, in the order in which the nodes became known.
+    nodes : dict of NodeId
+        The nodes there, in the same order.
 
     Examples
     --------
@@ -59,6 +61,7 @@ class ContactPlaces:
         assert me.base is not None
         self.base: Place = me.base
         self.places: list[Place] = []
+        self.nodes: dict[NodeId, None] = {}
         self._range_m = me.radio.range_m - TOLERANCE_M
         self._sees_through = not me.radio.walls_matter
         self._looked_at = 0
@@ -73,6 +76,7 @@ class ContactPlaces:
             x, y, _ = node.configuration
             if self.is_sure(node):
                 self.places.append((x, y))
+                self.nodes[node.id] = None
         self._looked_at = len(nodes)
         return len(self.places) > before
 

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.planners.motion.kinematics import Car, Differential
-from multisrt.robots.homing.options import EXCHANGE_MESSAGES, HomingOptions
+from multisrt.robots.homing.options import EXCHANGE_MESSAGES, HomeValues
 from multisrt.robots.robot_self import RobotSelf
 
 
@@ -56,7 +56,7 @@ class JustInTime:
     reserve_s: float
 
     @classmethod
-    def of(cls, me: RobotSelf, options: HomingOptions) -> JustInTime:
+    def of(cls, me: RobotSelf, options: HomeValues) -> JustInTime:
         """Return that of a robot.
 
         Raises

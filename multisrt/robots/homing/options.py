@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Final, Literal
+from typing import TYPE_CHECKING, Final, Literal, Protocol
 
 import msgspec
 
@@ -17,6 +17,12 @@ Home = Literal["never", "in-time", "worth", "relays"]
 
 EXCHANGE_MESSAGES: Final = 4
 """A report, a question for what is missing, the answer, and its acknowledgement."""
+
+
+HOME_FIELDS: Final = frozenset(
+    {"home", "home_margin", "home_reserve_s", "home_ratio", "home_wait_s"}
+)
+"""Options that all strategies have that can bring news home."""
 
 
 class HomingOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -54,15 +60,47 @@ class HomingOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     home_period_s: float = 60.0
 
     def __post_init__(self) -> None:
-        for name, holds, allowed in (
-            ("home_margin", 0.0 <= self.home_margin < math.inf, "0 or more"),
-            ("home_reserve_s", 0.0 <= self.home_reserve_s < math.inf, "0 or more"),
-            ("home_ratio", 0.0 < self.home_ratio < 1.0, "between 0 and 1"),
-            ("home_wait_s", 0.0 < self.home_wait_s < math.inf, "positive"),
-            ("home_period_s", 0.0 < self.home_period_s < math.inf, "positive"),
-        ):
-            if not holds:
-                raise InvalidInputError(f"{name} is {getattr(self, name)}; it must be {allowed}")
+        require_home_values(self)
+        if not 0.0 < self.home_period_s < math.inf:
+            raise InvalidInputError(f"home_period_s is {self.home_period_s}; it must be positive")
+
+
+class HomeValues(Protocol):
+    """What the options of all strategies have that bring news home."""
+
+    @property
+    def home_margin(self) -> float:
+        """Share by which ways home last longer."""
+
+    @property
+    def home_reserve_s(self) -> float:
+        """Time that is to be left at home."""
+
+    @property
+    def home_ratio(self) -> float:
+        """Share that the base station is to know of what a robot knows."""
+
+    @property
+    def home_wait_s(self) -> float:
+        """Time for which a robot waits."""
+
+
+def require_home_values(options: HomeValues) -> None:
+    """Check the values of options.
+
+    Raises
+    ------
+    InvalidInputError
+        If one is not allowed; the message names it.
+    """
+    for name, holds, allowed in (
+        ("home_margin", 0.0 <= options.home_margin < math.inf, "0 or more"),
+        ("home_reserve_s", 0.0 <= options.home_reserve_s < math.inf, "0 or more"),
+        ("home_ratio", 0.0 < options.home_ratio < 1.0, "between 0 and 1"),
+        ("home_wait_s", 0.0 < options.home_wait_s < math.inf, "positive"),
+    ):
+        if not holds:
+            raise InvalidInputError(f"{name} is {getattr(options, name)}; it must be {allowed}")
 
 
 def require_home(spec: RunSpec, kind: type[msgspec.Struct], options: Mapping[str, object]) -> None:
@@ -73,7 +111,8 @@ def require_home(spec: RunSpec, kind: type[msgspec.Struct], options: Mapping[str
     spec : RunSpec
         The run.
     kind : type
-        The structure of its strategy's options; all others than `HomingOptions` are passed over.
+        The structure of its strategy's options; those without `home` and its values are passed
+        over.
     options : mapping of str to object
         Their values, as they are given.
 
@@ -92,10 +131,10 @@ def require_home(spec: RunSpec, kind: type[msgspec.Struct], options: Mapping[str
     multisrt.geometry.errors.InvalidInputError: option home='in-time' of minpos needs a base \
 station to bring news to: give its place, base=(x, y) or --base X,Y
     """
-    if not issubclass(kind, HomingOptions):
+    defaults = {field.name: field.default for field in msgspec.structs.fields(kind)}
+    if not defaults.keys() >= HOME_FIELDS:
         return
-    default = next(field.default for field in msgspec.structs.fields(kind) if field.name == "home")
-    home = options.get("home", default)
+    home = options.get("home", defaults["home"])
     if home == "never":
         return
     if spec.base is None:

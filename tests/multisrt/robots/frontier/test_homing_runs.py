@@ -16,9 +16,12 @@ from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.regions.edge_index import EdgeIndex
 from multisrt.geometry.regions.scan import take_scan
 from multisrt.planners.motion.kinematics import Differential
-from multisrt.robots.explorer import RadioSelf, RobotSelf
+from multisrt.robots.explorer import Done, RadioSelf, RobotSelf
 from multisrt.robots.frontier.options import FrontierOptions
 from multisrt.robots.frontier.robot import FrontierRobot
+from multisrt.robots.registry import registered
+from multisrt.robots.strategy import Strategy
+from multisrt.robots.toolkit import RegionExplorer
 from multisrt.simulation.simulate import simulate
 from multisrt.simulation.worlds import inline
 from multisrt.spec import (
@@ -477,3 +480,46 @@ def test_a_car_comes_home():
 def test_the_same_run_is_the_same_to_the_byte():
     runs = [pair(limit_s=200.0, radio=RadioSpec(range_m=5.0, loss=0.2)) for _ in range(2)]
     assert runs[0].footer.digest == runs[1].footer.digest
+
+
+# Strategies of one's own -------------------------------------------------------------------------
+
+
+class Newest(RegionExplorer):
+    """To a frontier of the newest node that has one."""
+
+    def choose(self):
+        for node in reversed(self.map.open_nodes()):
+            for arc in self.map.frontier_arcs(node):
+                place = arc[len(arc) // 2, :2]
+                if np.isfinite(self.costs(place)[0]):
+                    return place
+        return None
+
+
+class Stays:
+    """Does nothing."""
+
+    def __init__(self, me):
+        self.me = me
+
+    def run(self):
+        yield Done(complete=False, reason="stays")
+
+
+@pytest.mark.parametrize("home", ["in-time", "worth"])
+def test_a_planner_on_regions_brings_news_home_without_a_line_of_its_own(home):
+    with registered(Strategy.of(Newest)):
+        recording = go(NARROW, (1.0, 0.6), strategy="newest", home=home, limit_s=120.0)
+        metrics = measure(recording, NARROW)
+    assert any(text.startswith("goes home") for _, text in told(recording))
+    assert metrics.delivered_coverage == same(metrics.coverage)
+    assert metrics.coverage > 0.2
+
+
+def test_a_strategy_without_the_option_refuses_it():
+    with (
+        registered(Strategy.of(Stays)),
+        pytest.raises(InvalidInputError, match="stays has no option 'home'"),
+    ):
+        go(NARROW, (1.0, 0.6), strategy="stays", home="in-time")

@@ -88,7 +88,7 @@ def end_errand(robot: FrontierRobot, errand: Errand, *, barred: bool) -> Steps:
         return
     if errand.kind == "home":
         if barred:
-            homing.note_barred()
+            homing.note_barred(robot.at[:2])
         else:
             homing.note_unheard(robot.time_s)
         return

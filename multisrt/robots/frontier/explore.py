@@ -250,7 +250,7 @@ class FrontierExplorer:
             robot.course.note_no_path()
             assert robot.goal is not None
             if self.progress.note_no_path(robot.goal.place):
-                yield from self.end_errand(errand)
+                yield from self.end_errand(errand, barred=True)
         elif ended is Event.ERRAND_OVER:
             yield from self.end_errand(errand)
         return ended

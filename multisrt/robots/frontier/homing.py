@@ -26,6 +26,9 @@ from multisrt.robots.homing.just_in_time import JustInTime
 from multisrt.robots.homing.pairs import AppointmentMessage, Pair, Role, Stage
 from multisrt.robots.homing.worth import NewsWorth
 
+ELSEWHERE_M = 1.0
+"""A robot that found no way home tries again this far from there, in metres."""
+
 
 class FrontierHoming:
     """When and where a robot goes to bring news home.
@@ -36,6 +39,8 @@ class FrontierHoming:
         What the robot knows of itself.
     options : FrontierOptions
         Its parameters.
+    course : Course
+        Where it is.
     map : ScanMap
         What it knows.
     team : Team
@@ -57,6 +62,7 @@ class FrontierHoming:
         self,
         me: RobotSelf,
         options: FrontierOptions,
+        course: Course,
         map: ScanMap,
         team: Team,
         paths: PathFinder,
@@ -75,14 +81,15 @@ class FrontierHoming:
         self._map = map
         self._team = team
         self._bodies = bodies
+        self._course = course
         self._ways = Ways(me, map, paths)
         self._worth = NewsWorth(map.entries, map.raster)
         # Until then there is time, wherever the robot drives: to go home, and to meet the mate.
         self._in_time_s = self._not_due_s = -math.inf
         self._judged: tuple[object, ...] = ()
         self._is_worth_it = False
-        # The robots whose bodies barred all ways home.
-        self._barring: frozenset[int] | None = None
+        # The robots whose bodies barred all ways home, and where this one was.
+        self._barring: tuple[frozenset[int], Place] | None = None
         # Since when nothing was heard of the base station where it should have been.
         self._unheard_s: list[float] = []
 
@@ -124,7 +131,7 @@ class FrontierHoming:
         unheard, barring = self._unheard_s, self._barring
         if len(unheard) > 1 and self._team.base_heard_s <= unheard[-1]:
             return False
-        if barring is not None and barring <= {*self._bodies.numbers()}:
+        if barring is not None and self._is_barred(*barring):
             return False
         return self._ways.lead_home
 
@@ -266,9 +273,18 @@ class FrontierHoming:
             patience_s=self._options.home_wait_s,
         )
 
-    def note_barred(self) -> None:
-        """Record that bodies of robots bar all ways home; there is none until one of them goes."""
-        self._barring = frozenset(self._bodies.numbers())
+    def note_barred(self, at: Place) -> None:
+        """Record that no way home is free from here.
+
+        If bodies are in the way, there is none until one of them goes; else until the robot is
+        elsewhere.
+        """
+        self._barring = frozenset(self._bodies.numbers()), at
+
+    def _is_barred(self, bodies: frozenset[int], at: Place) -> bool:
+        if bodies:
+            return bodies <= {*self._bodies.numbers()}
+        return math.dist(self._course.at[:2], at) < ELSEWHERE_M
 
     def note_unheard(self, now_s: float) -> None:
         """Record that nothing was heard of the base station where it should have been."""

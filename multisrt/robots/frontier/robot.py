@@ -109,7 +109,15 @@ class FrontierRobot:
         self.homing = (
             None
             if options.home == "never" or me.base is None
-            else FrontierHoming(me, options, self.map, self.team, self.path_finder, self.bodies)
+            else FrontierHoming(
+                me,
+                options,
+                self.course,
+                self.map,
+                self.team,
+                self.path_finder,
+                self.bodies,
+            )
         )
         drive = me.kinematics
         self.car = (

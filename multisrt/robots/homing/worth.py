@@ -13,7 +13,7 @@ import numpy as np
 
 from multisrt.geometry.grids.occupancy import Occupancy
 from multisrt.geometry.grids.occupancy.layers import FREE
-from multisrt.robots.knowledge import CountsByRobot, Entries
+from multisrt.robots.knowledge import CountsByRobot, Entries, NodeId
 
 
 class NewsWorth:
@@ -52,7 +52,7 @@ class NewsWorth:
         for robot, (count, _) in base_has.items():
             first = self._painted.get(robot, 0)
             for serial in range(first, count):
-                node = self._entries.nodes.get((robot, serial))  # type: ignore[call-overload]
+                node = self._entries.nodes.get(NodeId(robot, serial))
                 if node is None:
                     # This robot lacks it; it is looked for again next time.
                     count = serial

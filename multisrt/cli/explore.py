@@ -85,6 +85,7 @@ Examples:
   multisrt explore floor.yaml --start 2.5,4 --start 3.5,4 --range 6
   multisrt explore plan.png --resolution 0.05 --footprint box:0.6x0.4
   multisrt explore office --robots 3 --radio-range 15 --base 2,3
+  multisrt explore office --radio-range 9 --base 2,3 --option home=worth
   multisrt explore office --robots 3 --fault death:2@30 --fault late:1@60
   multisrt explore office --robot footprint=disc:0.3,range=6 --robot speed=1
   multisrt explore museum --robots 4 --without outlines --without nodes
@@ -206,7 +207,8 @@ Exit code:
 @click.option(
     "--base",
     metavar="X,Y",
-    help="A base station (m), which robots reach by radio; measures tell what it knows.",
+    help="A base station (m), which robots reach by radio; measures tell what it knows. They go "
+    "there with --option home=in-time, worth or relays.",
 )
 @world_options
 @out_folder("the results", "runs/ENV-STRATEGY-SEED, with a number if it exists")

@@ -76,6 +76,8 @@ REASONS: Final[dict[str, str]] = {
     "stop signal": "another robot reported that its goal was no longer a frontier",
     "assigned": "another robot took over its last goal, and gave it its own",
     "called on": "it was done, and heard something new",
+    "errand": "it was to bring news home",
+    "errand over": "it had brought news home, or handed them over",
 }
 """Why robots that bid for frontiers chose a goal, by `because` of `GoalChosen`."""
 

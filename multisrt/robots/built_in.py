@@ -14,6 +14,7 @@ import msgspec
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.robots.frontier.options import (
     BiddingOptions,
+    GainOptions,
     RulesOptions,
     SelfBiddingOptions,
     UtilityOptions,
@@ -111,5 +112,6 @@ BUILT_IN = (
         RulesOptions,
         _require_talk,
     ),
+    _bids("gain", "Much unknown area for a short way, first things first", GainOptions),
 )
 """All of them but `informed`, which sees the truth."""

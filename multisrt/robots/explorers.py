@@ -13,6 +13,7 @@ from multisrt.geometry.regions.shapes import Shape
 from multisrt.robots.explorer import Explorer, RobotSelf
 from multisrt.robots.frontier.alvarez import rules_explorer
 from multisrt.robots.frontier.explore import FrontierExplorer, Rule
+from multisrt.robots.frontier.gain import choose_gain
 from multisrt.robots.frontier.nearness import drive_by_option
 from multisrt.robots.frontier.options import BiddingOptions
 from multisrt.robots.frontier.robot import Watch
@@ -53,5 +54,6 @@ EXPLORERS: Final[Mapping[str, Callable[[RobotSelf, Any], Explorer]]] = {
     "utility": _led,
     "self-bidding": _bids(choose_by_self_bidding, send_stop_signals, send_last_stop_signal),
     "rules": rules_explorer,
+    "gain": _bids(choose_gain),
 }
 """Builds the explorer of one robot, for each strategy of `built_in`."""

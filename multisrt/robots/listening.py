@@ -71,6 +71,8 @@ class Listener(ABC):
         Number of the base station; None if there is none.
     base_has : mapping of int to (nodes, closings)
         What the base station had when it was last heard from, as `Entries.have` returns it.
+    base_heard_s : float
+        When the base station was last heard from, in seconds; ``-inf`` if never.
     round_trip_s : float
         Latency of a question and its answer in seconds.
     period_s : float
@@ -88,6 +90,7 @@ class Listener(ABC):
         self.size = me.team
         self.base = None if me.base is None else me.team
         self.base_has: CountsByRobot = {}
+        self.base_heard_s = -math.inf
         self.round_trip_s = 2.0 * me.radio.latency_s
         self.period_s = question_period_s(me.radio, ask_period_s)
         self._clock = robot
@@ -183,6 +186,7 @@ class Listener(ABC):
 
     def _take_from_base(self, message: Message) -> Steps:
         """Take a message of the base station, which is none of the robots."""
+        self.base_heard_s = self._clock.time_s
         match message:
             case WantMessage():
                 yield from self._answer_want(message)
@@ -205,17 +209,14 @@ class Listener(ABC):
         bool
             Whether it was asked.
         """
-        mine = self._entries.have()
-        for robot, nodes, closings in theirs:
-            known = mine.get(robot, (0, 0))
-            if nodes > known[0] or closings > known[1]:
-                if self._clock.time_s >= self._wanted.get(robot, -math.inf) + self.period_s:
-                    self._wanted[robot] = self._clock.time_s
-                    have = self._entries.counts()
-                    yield Send(WantMessage(sender=self.number, have=have), other)
-                    return True
-                return False
-        return False
+        robot = first_beyond(theirs, self._entries.have())
+        if robot is None:
+            return False
+        if self._clock.time_s < self._wanted.get(robot, -math.inf) + self.period_s:
+            return False
+        self._wanted[robot] = self._clock.time_s
+        yield Send(WantMessage(sender=self.number, have=self._entries.counts()), other)
+        return True
 
 
 def question_period_s(radio: RadioSelf, ask_period_s: float) -> float:
@@ -238,6 +239,32 @@ def have_of(counts: Counts) -> CountsByRobot:
     {0: (7, 1), 2: (3, 0)}
     """
     return {robot: (nodes, closings) for robot, nodes, closings in counts}
+
+
+def first_beyond(theirs: Counts, mine: CountsByRobot) -> int | None:
+    """Return the first robot of which others know more nodes or closings; None for none.
+
+    Examples
+    --------
+    >>> first_beyond(((0, 7, 1), (2, 3, 0)), {0: (8, 1)})
+    2
+    """
+    for robot, nodes, closings in theirs:
+        known = mine.get(robot, (0, 0))
+        if nodes > known[0] or closings > known[1]:
+            return robot
+    return None
+
+
+def counts_beyond(theirs: Counts, mine: CountsByRobot) -> bool:
+    """Whether others know more nodes or closings of any robot.
+
+    Examples
+    --------
+    >>> counts_beyond(((0, 7, 1),), {0: (7, 1)}), counts_beyond(((0, 7, 1),), {})
+    (False, True)
+    """
+    return first_beyond(theirs, mine) is not None
 
 
 def most_of(one: CountsByRobot, other: CountsByRobot) -> CountsByRobot:

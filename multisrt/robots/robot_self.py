@@ -29,6 +29,8 @@ class RadioSelf:
     reaches_all : bool
         Whether every message reaches every robot: nothing limits the range, blocks the radio, or
         loses messages.
+    walls_matter : bool
+        Whether walls break links, or shorten them.
     """
 
     range_m: float = float("inf")
@@ -36,6 +38,7 @@ class RadioSelf:
     loss: float = 0.0
     multi_hop: bool = True
     reaches_all: bool = True
+    walls_matter: bool = False
 
 
 class RadioMember(Protocol):
@@ -115,6 +118,8 @@ class RobotSelf:
         base station is `team`.
     time_s : float
         When it begins.
+    limit_s : float
+        When the run ends at the latest; inf: it has no limit.
     team_range_m : float or None
         Maximum sensing range in the team; None: its own.
     orders : object
@@ -146,6 +151,7 @@ class RobotSelf:
     radio: RadioSelf = RadioSelf()
     base: tuple[float, float] | None = None
     time_s: float = 0.0
+    limit_s: float = float("inf")
     team_range_m: float | None = None
     orders: object = None
 

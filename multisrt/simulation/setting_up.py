@@ -120,6 +120,7 @@ def set_up(
                 radio=radio.datasheet(),
                 base=None if base is None else base.base,
                 time_s=joins.get(number, 0.0),
+                limit_s=spec.stop.max_time_s,
                 team_range_m=team_range_m,
                 orders=orders[number],
             ),

@@ -192,6 +192,8 @@ class Rules:
         team, raster = robot.team, robot.raster
         if team.requests.any_pending or team.cells.aim != aim:
             return Event.INTERRUPTED
+        if robot.is_called_home():
+            return Event.ERRAND
         if aim is not None and (raster.is_known(*aim) or not is_open(raster, goal.place)):
             return Event.NOTHING_LEFT
         if math.dist(robot.at[:2], goal.place) <= REACHED_M:

@@ -81,7 +81,8 @@ class Leg:
     @property
     def is_driven(self) -> bool:
         """Whether the motion is over."""
-        return self.driven_s >= self.motion.duration_s * DRIVEN_SHARE
+        left_s = self.motion.duration_s - self.driven_s
+        return left_s <= SAME_TIME_S or self.driven_s >= self.motion.duration_s * DRIVEN_SHARE
 
     def exit_from_end(self) -> Exit:
         """Return the exit from its end."""

@@ -31,6 +31,7 @@ def drive(
     *,
     to_see: bool = True,
     all_the_way: bool = False,
+    until: Callable[[], bool] | None = None,
 ) -> Driven:
     """Follow the path to a goal until there is a reason to end.
 
@@ -51,15 +52,21 @@ def drive(
     all_the_way : bool
         Whether it goes on though the raster has no frontier there, as to a place that was chosen
         by other means: otherwise the drive ends before it begins.
+    until : callable, optional
+        Asked after each leg whether the errand is over for which the robot drives.
 
     Returns
     -------
     Event or Sighting
-        `REACHED`, `NEWS`, `NOTHING_LEFT`, `INTERRUPTED` or `NO_WAY`; or the robot before which
-        the protective stop ended the drive.
+        `REACHED`, `NEWS`, `NOTHING_LEFT`, `INTERRUPTED`, `ERRAND`, `ERRAND_OVER` or `NO_WAY`; or
+        the robot before which the protective stop ended the drive.
     """
     path = goal.path
     while True:
+        if until is not None and until():
+            return Event.ERRAND_OVER
+        if purpose == "explore" and robot.is_called_home():
+            return Event.ERRAND
         reason = reason_to_end(robot, goal, to_see=to_see, all_the_way=all_the_way)
         if reason is not None:
             return reason
@@ -120,7 +127,8 @@ def carry_out(
         Where and when the motion ended.
     """
     team = robot.team
-    team.phase = "driving"
+    # Robots on errands take no frontier: others leave them out, as those that have nothing to do.
+    team.phase = "idle" if purpose == "home" else "driving"
     robot.course.set_out(motion)
     outcome: Outcome = yield Move(
         trajectory=motion,

@@ -34,11 +34,15 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Generator, Iterable
 
-from multisrt.robots.explorer import Action, Done, Outcome, RobotSelf, Sighting, Steps
+from multisrt.events import Decided
+from multisrt.robots.explorer import Action, Done, Note, Outcome, RobotSelf, Sighting, Steps
 from multisrt.robots.frontier.bodies import MOVED_M
 from multisrt.robots.frontier.driving import Drive, drive
+from multisrt.robots.frontier.errand_steps import agree, end_errand, errand_now
+from multisrt.robots.frontier.errands import Errand
 from multisrt.robots.frontier.giving_way import ask_to_leave, find_detour, give_way
 from multisrt.robots.frontier.goal import Goal
+from multisrt.robots.frontier.homing import FrontierHoming
 from multisrt.robots.frontier.options import FrontierOptions
 from multisrt.robots.frontier.progress import Event, Progress, State
 from multisrt.robots.frontier.robot import FrontierRobot, Watch
@@ -100,6 +104,9 @@ class FrontierExplorer:
         self._at_end = at_end
         self._barred = barred
         self._met: Sighting | None = None
+        self._errand: Errand | None = None
+        # The last errand that is on record, of those that are not over.
+        self._told: tuple[str, str] | None = None
 
     def run(self) -> Steps:
         """Perceive; choose a goal and drive to it until no frontier is left; then stand by."""
@@ -124,17 +131,67 @@ class FrontierExplorer:
                 return (yield from self.give_way())
             case State.WAITING:
                 return (yield from self.wait())
-            case State.BOXED_IN | State.COMPLETE:
+            case State.ATTENDING:
+                return (yield from self.attend())
+            case State.BOXED_IN | State.OUT_OF_TIME | State.COMPLETE:
                 return (yield from self.stand_by())
 
     def choose(self) -> Act:
-        """Choose a goal by the rule, unless it is clear that none can be reached."""
+        """Choose a goal by the rule, unless it is clear that none can be reached; or an errand."""
         robot, team, goal = self.robot, self.robot.team, None
+        self._errand = None
         if not self.progress.is_jammed:
             team.phase = "choosing"
+            if (errand := errand_now(robot)) is not None:
+                return (yield from self.set_out(errand))
             goal = yield from self._rule(robot, self.progress.because)
+        if robot.homing is not None:
+            return (yield from self.weigh(robot.homing, goal))
         robot.set_goal(goal)
         return Event.GOAL if goal is not None else self.why_no_goal()
+
+    def weigh(self, homing: FrontierHoming, goal: Goal | None) -> Act:
+        """Take a goal if there is time for it and the way home; else go home, if that is of use."""
+        robot, why = self.robot, "it knows of nothing that is left to explore"
+        robot.set_goal(goal)
+        if goal is None:
+            event = self.why_no_goal()
+        elif homing.fits(robot.course, goal):
+            event = Event.GOAL
+        else:
+            robot.set_goal(None)
+            why, event = "there is no time for its next goal and the way home", Event.OUT_OF_TIME
+        is_done = event in (Event.OUT_OF_TIME, Event.EXPLORED, Event.JAMMED, Event.BOXED_IN)
+        if is_done and robot.team.carries:
+            # The answer to the last report may be on its way.
+            yield from robot.team.pause(robot.team.round_trip_s)
+        if robot.team.requests.meet or (is_done and homing.may_dismiss_mate(robot.time_s)):
+            following = robot.at[:2] if goal is None else goal.place
+            yield from agree(robot, homing, None if is_done else following)
+        if event is Event.EXPLORED:
+            yield from robot.tell_when_complete()
+        if not is_done or self.progress.is_jammed or not homing.may_deliver(robot.course):
+            return event
+        return (yield from self.set_out(homing.errand(robot.course, why)))
+
+    def set_out(self, errand: Errand) -> Act:
+        """Begin an errand; wait if bodies bar all paths."""
+        robot = self.robot
+        robot.team.cells.aim = None
+        self._errand = errand
+        robot.set_goal(errand.goal)
+        if (errand.kind, errand.why) != self._told:
+            self._told = errand.kind, errand.why
+            place = None if errand.goal is None else errand.goal.place
+            text = f"{errand.what}: {errand.why}"
+            now_s, number = robot.time_s, robot.me.robot
+            yield Note(Decided(time_s=now_s, robot=number, text=text, goal=place))
+        if errand.goal is not None:
+            return Event.GOAL
+        if self.progress.may_wait and not robot.bodies.all_are_lost():
+            return Event.BARRED
+        yield from self.end_errand(errand, barred=True)
+        return Event.NO_WAY
 
     def why_no_goal(self) -> Event:
         """Return what a robot without a goal is to do."""
@@ -155,12 +212,24 @@ class FrontierExplorer:
         assert goal is not None
         if robot.team.has_receivers:
             yield from robot.team.report()
-        ended = yield from self._drive(robot, goal)
+        errand = self._errand
+        if errand is None:
+            ended = yield from self._drive(robot, goal)
+        else:
+            ended = yield from drive(
+                robot,
+                goal,
+                "home",
+                to_see=False,
+                until=lambda: errand.is_over() or errand.is_late(robot.time_s),
+            )
         if isinstance(ended, Sighting):
             self._met = ended
             return Event.MET
         if ended is Event.INTERRUPTED:
             return self.request()
+        if errand is not None:
+            return (yield from self.judge_errand(errand, ended))
         if ended is Event.REACHED and robot.options.sense == "targets":
             yield from robot.perceive()
         if ended is Event.REACHED:
@@ -171,6 +240,44 @@ class FrontierExplorer:
                 return Event.NOTHING_LEFT
             self.judge_no_path(goal)
         return ended
+
+    def judge_errand(self, errand: Errand, ended: Event) -> Act:
+        """Return what a drive on an errand has led to."""
+        robot = self.robot
+        if ended is Event.REACHED:
+            return Event.ARRIVED
+        if ended is Event.NO_WAY:
+            robot.course.note_no_path()
+            assert robot.goal is not None
+            if self.progress.note_no_path(robot.goal.place):
+                yield from self.end_errand(errand, barred=True)
+        elif ended is Event.ERRAND_OVER:
+            yield from self.end_errand(errand)
+        return ended
+
+    def end_errand(self, errand: Errand, *, barred: bool = False) -> Steps:
+        """Record that an errand is over, perhaps in vain, or as bodies bar all paths."""
+        self._told = None
+        yield from end_errand(self.robot, errand, barred=barred)
+
+    def attend(self) -> Act:
+        """Wait where an errand leads until it is over, or as long as it allows."""
+        robot, errand = self.robot, self._errand
+        assert errand is not None
+        robot.team.phase = "idle"
+        arrived_s = robot.time_s
+        while not errand.is_over():
+            if robot.team.requests.give_way is not None:
+                return Event.ASKED
+            if robot.team.requests.meet:
+                return Event.ERRAND_OVER
+            if robot.time_s >= errand.waits_until_s(arrived_s):
+                break
+            robot.team.requests.stop = False
+            yield from robot.team.deliver()
+            yield from robot.team.pause(robot.team.period_s)
+        yield from self.end_errand(errand)
+        return Event.ERRAND_OVER
 
     def judge_no_path(self, goal: Goal) -> None:
         """Give a goal up if the path to it was not free too often; see `Progress.note_no_path`."""
@@ -189,7 +296,7 @@ class FrontierExplorer:
         if requests.stop:
             requests.stop = False
             return Event.STOP_SIGNAL
-        return Event.ASSIGNED
+        return Event.ERRAND if requests.meet else Event.ASSIGNED
 
     def meet(self) -> Act:
         """Go round a robot before which the protective stop ended a motion, or ask it to leave."""
@@ -236,6 +343,12 @@ class FrontierExplorer:
             done = Done(
                 complete=True,
                 reason="no frontier is left that it can reach",
+                on_call=team.has_receivers,
+            )
+        elif progress.state is State.OUT_OF_TIME:
+            done = Done(
+                complete=False,
+                reason="no time is left for another goal and the way home",
                 on_call=team.has_receivers,
             )
         else:

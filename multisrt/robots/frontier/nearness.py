@@ -70,6 +70,8 @@ def steer(
     path = goal.path
     nearest_m, since_s = math.inf, robot.time_s
     while True:
+        if robot.is_called_home():
+            return Event.ERRAND
         reason = reason_to_end(robot, goal, to_see=True)
         if reason is not None:
             return reason

@@ -5,14 +5,13 @@ from __future__ import annotations
 import math
 from typing import Literal
 
-import msgspec
-
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.regions.shapes import Shape
+from multisrt.robots.homing.options import HomingOptions
 
 
-class FrontierOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Parameters that all strategies of the family share.
+class FrontierOptions(HomingOptions, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Parameters that all strategies of the family share: those of `HomingOptions`, and these.
 
     Attributes
     ----------
@@ -123,6 +122,7 @@ class FrontierOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
     max_vain_motions: int = 4
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         for name in (
             "cell_m",
             "sense_period_s",
@@ -213,6 +213,31 @@ class UtilityOptions(BiddingOptions, frozen=True, kw_only=True, forbid_unknown_f
         super().__post_init__()
         self.require("beta", 0.0 <= self.beta < math.inf, "0 or more")
         self.require("overlap_ranges", 0.0 < self.overlap_ranges < math.inf, "positive")
+
+
+class GainOptions(BiddingOptions, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Parameters of `gain`: those of `BiddingOptions`, and of the rule.
+
+    Attributes
+    ----------
+    power : float
+        Power of the way in the value of a frontier.
+    return_area_m2 : float
+        Area in square metres that stands for the way back to a frontier that is left behind; it is
+        added to the area beyond each.
+    turn_m_per_rad : float
+        Way in metres that a radian of the first turn counts as.
+    """
+
+    power: float = 4.0
+    return_area_m2: float = 5.0
+    turn_m_per_rad: float = 0.3
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self.require("power", 0.0 < self.power < math.inf, "positive")
+        for name in ("return_area_m2", "turn_m_per_rad"):
+            self.require(name, 0.0 <= getattr(self, name) < math.inf, "0 or more")
 
 
 class SelfBiddingOptions(BiddingOptions, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -24,6 +24,16 @@
     (a) reached, news, nothing left, no way, stop signal, assigned
     (b) blocked, stop signal, assigned
 
+Robots that bring news home (`multisrt.robots.homing`) have errands besides::
+
+    CHOOSING ---- goal ----> DRIVING ---- arrived ----> ATTENDING --- asked ---> YIELDING
+      ^   |                     |                           |
+      +---|-- errand, errand ---+------- errand over -------+
+      |   |   over
+      |   +-- out of time --> OUT_OF_TIME --- asked ---> YIELDING
+      |                           |
+      +-------- called on --------+
+
 ============  ======================================================================================
 CHOOSING      The rule chooses a goal. If there is none, a car tries goals given up for want of a
               path again once more is known, or a body is gone (``no way``, to CHOOSING).
@@ -32,7 +42,10 @@ MEETING       The protective stop has ended a motion before another body. The ro
               detour, or asks the other to give way.
 YIELDING      The robot makes room, as it was asked to.
 WAITING       Only bodies that may still leave bar the paths to the last frontiers.
+ATTENDING     The robot is where its errand leads, and waits for the base station's acknowledgement,
+              or for its mate.
 BOXED_IN      Bodies that do not leave bar them; the robot is done until it hears something new.
+OUT_OF_TIME   No time is left to go on and come home; it is done until it hears something new.
 COMPLETE      No frontier is left that it can reach; the robot is done until it hears something new.
 ============  ======================================================================================
 
@@ -78,7 +91,9 @@ class State(Enum):
     MEETING = auto()
     YIELDING = auto()
     WAITING = auto()
+    ATTENDING = auto()
     BOXED_IN = auto()
+    OUT_OF_TIME = auto()
     COMPLETE = auto()
 
 
@@ -105,6 +120,10 @@ class Event(StrEnum):
     """Another robot took over the goal of this one, and gave it its own."""
     CALLED_ON = "called on"
     """The robot was done, and heard something new."""
+    ERRAND = "errand"
+    """The robot is to bring news home, or has met the robot that does."""
+    ERRAND_OVER = "errand over"
+    """An errand is over: news are delivered or handed over, or the robot has waited in vain."""
 
     GOAL = "goal"
     """A goal was chosen."""
@@ -120,6 +139,10 @@ class Event(StrEnum):
     """Frontiers are left, and bodies that do not leave bar the paths to them."""
     JAMMED = "jammed"
     """The robot and others have too often failed to let each other pass."""
+    ARRIVED = "arrived"
+    """The robot is where its errand leads."""
+    OUT_OF_TIME = "out of time"
+    """No time is left to go on and come home."""
     EXPLORED = "explored"
     """No frontier is left that the robot can reach."""
     INTERRUPTED = "interrupted"
@@ -134,6 +157,7 @@ TRANSITIONS: Final[Mapping[State, Mapping[Event, State]]] = MappingProxyType(
             Event.BARRED: State.WAITING,
             Event.BOXED_IN: State.BOXED_IN,
             Event.JAMMED: State.BOXED_IN,
+            Event.OUT_OF_TIME: State.OUT_OF_TIME,
             Event.EXPLORED: State.COMPLETE,
         },
         State.DRIVING: {
@@ -143,6 +167,9 @@ TRANSITIONS: Final[Mapping[State, Mapping[Event, State]]] = MappingProxyType(
             Event.NO_WAY: State.CHOOSING,
             Event.STOP_SIGNAL: State.CHOOSING,
             Event.ASSIGNED: State.CHOOSING,
+            Event.ERRAND: State.CHOOSING,
+            Event.ERRAND_OVER: State.CHOOSING,
+            Event.ARRIVED: State.ATTENDING,
             Event.MET: State.MEETING,
             Event.ASKED: State.YIELDING,
         },
@@ -151,11 +178,14 @@ TRANSITIONS: Final[Mapping[State, Mapping[Event, State]]] = MappingProxyType(
             Event.BLOCKED: State.CHOOSING,
             Event.STOP_SIGNAL: State.CHOOSING,
             Event.ASSIGNED: State.CHOOSING,
+            Event.ERRAND: State.CHOOSING,
             Event.ASKED: State.YIELDING,
         },
         State.YIELDING: {Event.GAVE_WAY: State.CHOOSING},
         State.WAITING: {Event.BLOCKED: State.CHOOSING, Event.ASKED: State.YIELDING},
+        State.ATTENDING: {Event.ERRAND_OVER: State.CHOOSING, Event.ASKED: State.YIELDING},
         State.BOXED_IN: {Event.CALLED_ON: State.CHOOSING, Event.ASKED: State.YIELDING},
+        State.OUT_OF_TIME: {Event.CALLED_ON: State.CHOOSING, Event.ASKED: State.YIELDING},
         State.COMPLETE: {Event.CALLED_ON: State.CHOOSING, Event.ASKED: State.YIELDING},
     }
 )

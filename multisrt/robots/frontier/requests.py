@@ -17,6 +17,8 @@ class Requests:
         The last request to give way.
     stop : bool
         Whether a stop signal came for the present goal.
+    meet : bool
+        Whether this robot's mate is here to take its news; see `multisrt.robots.homing.pairs`.
     assignment : AssignmentMessage or None
         The leader's answer to a robot that asked it for a goal.
 
@@ -32,9 +34,10 @@ class Requests:
 
     give_way: GiveWayMessage | None = None
     stop: bool = False
+    meet: bool = False
     assignment: AssignmentMessage | None = None
 
     @property
     def any_pending(self) -> bool:
         """Whether there is a request for which a robot stops driving."""
-        return self.give_way is not None or self.stop
+        return self.give_way is not None or self.stop or self.meet

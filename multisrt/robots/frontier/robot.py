@@ -25,6 +25,7 @@ from multisrt.robots.frontier.course import Course
 from multisrt.robots.frontier.fields import indices_of
 from multisrt.robots.frontier.frontiers import Frontiers
 from multisrt.robots.frontier.goal import Goal
+from multisrt.robots.frontier.homing import FrontierHoming
 from multisrt.robots.frontier.options import FrontierOptions
 from multisrt.robots.frontier.path_finder import PathFinder
 from multisrt.robots.frontier.scan_map import ScanMap, raster_for
@@ -73,13 +74,16 @@ class FrontierRobot:
         The shortest paths from where it stands.
     team : Team
         Its messages, and what it knows of the others.
+    homing : FrontierHoming or None
+        What brings its news home, if anything does.
     car : CarDriver or None
         Plans its motions, if it is a car.
 
     Raises
     ------
     InvalidInputError
-        If the cells of the raster are wider than the body.
+        If the cells of the raster are wider than the body, or the time limit is too short to bring
+        news home.
     """
 
     def __init__(self, me: RobotSelf, options: FrontierOptions, watch: Watch | None = None) -> None:
@@ -102,6 +106,19 @@ class FrontierRobot:
         self.frontiers = Frontiers(raster, width_m, width_m if least_m is None else least_m)
         self.path_finder = PathFinder(self.body, options, self.course, self.map, self.bodies)
         self.team = Team(me, options, self.course, self.map, self.bodies, self.frontiers)
+        self.homing = (
+            None
+            if options.home == "never" or me.base is None
+            else FrontierHoming(
+                me,
+                options,
+                self.course,
+                self.map,
+                self.team,
+                self.path_finder,
+                self.bodies,
+            )
+        )
         drive = me.kinematics
         self.car = (
             CarDriver(me, drive, options, self.course, self.map, self.bodies)
@@ -202,6 +219,10 @@ class FrontierRobot:
         near = math.dist(self.at[:2], goal.place) <= 0.5 * self.me.range_m
         return near and inside(self.map.boundary, goal.x, goal.y)
 
+    def is_called_home(self) -> bool:
+        """Whether the robot is to end its drive, and bring news home or meet its mate."""
+        return self.homing is not None and self.homing.calls(self.course)
+
     def driven_body(self) -> PlanningBody:
         """Return the body for which legs are planned.
 
@@ -222,6 +243,9 @@ class FrontierRobot:
         yield from self.perceive()
         if not self.team.is_alone:
             yield from self.team.report(asks=True)
+            yield from self.team.pause(self.team.round_trip_s)
+        elif self.homing is not None:
+            # Whether the base station is in touch.
             yield from self.team.pause(self.team.round_trip_s)
 
     def perceive(self, maps: bool = True) -> Steps:

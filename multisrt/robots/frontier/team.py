@@ -35,12 +35,16 @@ from multisrt.robots.frontier.options import FrontierOptions
 from multisrt.robots.frontier.requests import Requests
 from multisrt.robots.frontier.scan_map import ScanMap
 from multisrt.robots.frontier.teammates import Teammates
+from multisrt.robots.homing.pairs import AppointmentMessage, Pair, ReadyMessage, Role
 from multisrt.robots.knowledge import EntriesMessage, Entry, Node, NodeId, WantMessage
-from multisrt.robots.listening import Listener, have_of
+from multisrt.robots.listening import Listener, counts_beyond, have_of
 from multisrt.robots.messages import Message
 
 LATELY_PERIODS = 2.0
 """For so many periods of questions, a robot counts as having asked just now."""
+
+TOUCH_PERIODS = 2.0
+"""For so many periods of its reports a robot counts as in touch with one that was heard."""
 
 SAME_GOAL_M = 1e-9
 """Goals closer than this are the same."""
@@ -125,6 +129,8 @@ class Team(Listener):
         Utility: answers a robot, given its number, that wants a goal from this one.
     stops : StopSignals
         Self-bidding: which stop signals it has sent.
+    pair : Pair or None
+        What this robot does in its pair, if the robots go in pairs of explorer and relay.
     """
 
     ends_pauses_on_time = True
@@ -148,7 +154,9 @@ class Team(Listener):
         self.assignments = Assignments(me.robot, self.period_s)
         self.answer: Callable[[int], Steps] | None = None
         self.stops = StopSignals()
+        self.pair: Pair | None = None
         self._answers = options.answers
+        self._report_period_s = options.report_period_s
         self._me = me
         self._course = course
         self._map = map
@@ -158,6 +166,11 @@ class Team(Listener):
         # Serial number of the first node of its own that is not yet part of a report.
         self._unreported = 0
         self._offered_s: dict[int, float] = {}
+
+    @property
+    def is_in_touch(self) -> bool:
+        """Whether the base station was heard lately: it acknowledges news at once."""
+        return self._course.time_s <= self.base_heard_s + TOUCH_PERIODS * self._report_period_s
 
     def present(self) -> list[RobotReport]:
         """Return the reports of the robots to take into account; see `Teammates.present`."""
@@ -222,6 +235,13 @@ class Team(Listener):
             to,
         )
 
+    def deliver(self) -> Steps:
+        """Report, and ask the base station what it has: an acknowledgement may have been lost."""
+        yield from self.report()
+        if self.base is not None:
+            have = self._entries.counts()
+            yield Send(WantMessage(sender=self.number, have=have), self.base)
+
     def await_assignment(self) -> Generator[Action, Outcome, AssignmentMessage | None]:
         """Listen until the leader's assignment is heard, for at most the period of questions."""
         until = self._course.time_s + self.period_s
@@ -263,6 +283,12 @@ class Team(Listener):
                 self._take_stop(message)
             case AssignmentMessage():
                 self.requests.assignment = message
+            case ReadyMessage():
+                if self.pair is not None and self.pair.role is Role.EXPLORER:
+                    self.requests.meet = True
+            case AppointmentMessage():
+                if self.pair is not None:
+                    yield from self._take_appointment(self.pair, message)
             case InaccessibleMessage():
                 self._take_inaccessible(message)
             case SwapMessage():
@@ -281,6 +307,39 @@ class Team(Listener):
             yield from self.report(to=message.sender, answers=message.asks)
         if own.have != self._entries.counts():
             yield from self._ask_for_missing(own.robot, own.have)
+        yield from self._tell_ready(own)
+
+    def _take_appointment(self, pair: Pair, message: AppointmentMessage) -> Steps:
+        if message.accepts:
+            pair.take_acceptance(message)
+            return
+        lacks = counts_beyond(message.have, self._entries.have())
+        if lacks:
+            # The explorer proposes it again.
+            yield from self._ask_for_missing(message.sender, message.have)
+            return
+        pair.accept(message)
+        answer = AppointmentMessage(
+            sender=self.number,
+            appointment=message.appointment,
+            have=self._entries.counts(),
+            accepts=True,
+        )
+        yield Send(answer, message.sender)
+
+    def _tell_ready(self, report: RobotReport) -> Steps:
+        """Tell the explorer of the pair that its relay is here, for its news or as it is time."""
+        pair, now_s = self.pair, self._course.time_s
+        if pair is None or report.robot != pair.mate or not pair.is_paired:
+            return
+        # Before the time, it stops its explorer for news only that do not come home as it is.
+        radio = self._me.radio
+        is_linked = (radio.multi_hop or radio.reaches_all) and self.is_in_touch
+        has_news = not is_linked and counts_beyond(report.have, self.base_has)
+        is_due = now_s >= pair.appointment.due_s
+        if (has_news or is_due) and pair.is_ready(now_s, self.period_s):
+            ready = ReadyMessage(sender=self.number, number=pair.appointment.number)
+            yield Send(ready, report.robot)
 
     def _take_stop(self, message: StopMessage) -> None:
         goal = self._course.goal

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from multisrt.geometry.regions.shapes import Shape
 from multisrt.robots.explorer import Done, RobotSelf, Steps
+from multisrt.robots.multi_srt.bring_home import bring_the_rest, bringing_home
 from multisrt.robots.multi_srt.build_srt import build_srt, until_boxed_in
+from multisrt.robots.multi_srt.homing import OutOfTime
 from multisrt.robots.multi_srt.options import MultiSrtOptions
 from multisrt.robots.multi_srt.robot import SrtRobot
 from multisrt.robots.multi_srt.support import (
@@ -28,31 +30,68 @@ class SrtExplorer:
         Shape of its local safe regions.
     options : MultiSrtOptions
         The parameters.
+
+    Attributes
+    ----------
+    robot : SrtRobot
+        The robot and what it knows.
+    is_out_of_time : bool
+        Whether it has ended as there was no time for another target and the way home.
     """
 
     def __init__(self, me: RobotSelf, shape: Shape, options: MultiSrtOptions) -> None:
         self.robot = SrtRobot(me, shape, options)
+        self.is_out_of_time = False
 
     def run(self) -> Steps:
         """BUILD_MULTI_SRT: extend the own tree, then those of others; then stand by."""
         robot, supported = self.robot, Supported()
         yield from robot.team.begin_step()
-        yield from until_boxed_in(robot, build_srt(robot))
-        robot.at.tree = None
-        yield from robot.team.rest()
+        try:
+            yield from self.explore()
+        except OutOfTime:
+            yield from self.end_in_time()
         while True:
-            if not robot.team.is_alone:
-                yield from support_others(robot, supported)
+            if not robot.team.is_alone and not self.is_out_of_time:
+                try:
+                    yield from self.support(supported)
+                except OutOfTime:
+                    yield from self.end_in_time()
                 yield from ask_those_in_the_way(robot)
-                if robot.deferred.is_due():
+                if robot.deferred.is_due() and not self.is_out_of_time:
                     continue
+            yield from bring_the_rest(robot, "it knows of nothing that is left to explore")
             outcome = yield self.done()
             yield from robot.team.take(outcome)
             yield from follow_orders(robot)
 
+    def explore(self) -> Steps:
+        """Extend the own tree; bring news home meanwhile, and in the end."""
+        robot = self.robot
+        root = robot.trees.root
+        yield from bringing_home(robot, lambda: until_boxed_in(robot, build_srt(robot)), root)
+        robot.at.tree = None
+        yield from robot.team.rest()
+        yield from bring_the_rest(robot, "it has explored its tree")
+
+    def support(self, supported: Supported) -> Steps:
+        """Extend the trees of others; bring news home meanwhile."""
+        yield from bringing_home(self.robot, lambda: support_others(self.robot, supported), None)
+
+    def end_in_time(self) -> Steps:
+        """End, as there is no time for more."""
+        robot, homing = self.robot, self.robot.homing
+        assert homing is not None
+        self.is_out_of_time, homing.is_asked = True, False
+        robot.at.tree = None
+        yield from robot.team.rest()
+
     def done(self) -> Done:
         """Return how it ended: all that it knows of is explored, or what was left and why."""
         robot, deferred = self.robot, self.robot.deferred
+        if self.is_out_of_time:
+            reason = "no time is left for another target and the way home"
+            return Done(complete=False, reason=reason, on_call=robot.team.has_receivers)
         nodes = robot.map.open_nodes(robot.trees.root)
         frontier = [robot.map.frontier(node) for node in nodes]
         open_m = deferred.open_m(robot.trees.root)

@@ -41,6 +41,9 @@ from multisrt.robots.multi_srt.progress import BoxedIn, Event, State
 from multisrt.robots.multi_srt.robot import SrtRobot
 from multisrt.robots.multi_srt.targets import NewPlace, Step
 
+EXPLORING = ("draw", "approach", "complete", "nearest_open", "bypass")
+"""Choices of targets at which there is something to see, or on the way to such targets."""
+
 
 def build_srt(robot: SrtRobot, *, supports: bool = False) -> Steps:
     """BUILD_SRT: extend a tree until the planner has no target.
@@ -149,9 +152,13 @@ def decide(
     ------
     BoxedIn
         If no path was found too many times in a row.
+    CalledHome, OutOfTime
+        If the robot is to bring news home, or has no time for more; see `homing`.
     """
     team, journey, progress = robot.team, robot.journey, robot.progress
     frontier_m = total_length(frontier)
+    if robot.homing is not None:
+        robot.homing.ask()
     if team.status.waited >= robot.options.max_waits:
         journey.target = None
     if progress.state is State.JAMMED:
@@ -170,6 +177,8 @@ def decide(
         elif target is not None:
             progress.note(Event.PATH)
         yield Note(_decision(robot, found, frontier_m, draws, (gpr, ger)))
+        if robot.homing is not None and target is not None and choice in EXPLORING:
+            robot.homing.weigh(target)
         if choice == "end":
             yield from team.rest()
             return True, None

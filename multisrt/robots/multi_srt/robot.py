@@ -12,6 +12,7 @@ from multisrt.robots.explorer import RobotSelf, Sighting
 from multisrt.robots.knowledge import NodeId
 from multisrt.robots.multi_srt.bypass import Bypass
 from multisrt.robots.multi_srt.deferred_arcs import DeferredArcs
+from multisrt.robots.multi_srt.homing import SrtHoming
 from multisrt.robots.multi_srt.journey import Journey
 from multisrt.robots.multi_srt.obstacles import Obstacles
 from multisrt.robots.multi_srt.options import MultiSrtOptions
@@ -65,6 +66,13 @@ class SrtRobot:
         What it tells and is told; `team.roster` is what it knows of the others.
     progress : Progress
         Whether it makes progress, and what it does where it does not.
+    homing : SrtHoming or None
+        When it brings its news home, if it ever does.
+
+    Raises
+    ------
+    InvalidInputError
+        If the time limit is too short to bring news home.
     """
 
     def __init__(self, me: RobotSelf, shape: Shape, options: MultiSrtOptions) -> None:
@@ -94,6 +102,11 @@ class SrtRobot:
         self.journey = Journey(self.at, self.map, self.roadmap)
         self.progress = Progress(options)
         self.team = Team(me, options, self.at, self.map, roster)
+        self.homing = (
+            None
+            if options.home == "never" or me.base is None
+            else SrtHoming(me, options, self.at, self.map, self.routes, self.team)
+        )
 
     @property
     def has_unlimited_range(self) -> bool:

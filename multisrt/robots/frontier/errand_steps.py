@@ -1,0 +1,98 @@
+"""Which errand comes first, how a pair agrees on its next meeting, and how an errand ends."""
+
+from __future__ import annotations
+
+import msgspec
+
+from multisrt.events import Decided, PresumedLost
+from multisrt.robots.explorer import Note, Send, Steps
+from multisrt.robots.frontier.errands import Errand
+from multisrt.robots.frontier.goal import Place
+from multisrt.robots.frontier.homing import FrontierHoming
+from multisrt.robots.frontier.robot import FrontierRobot
+from multisrt.robots.homing.pairs import Role, Stage
+
+MAX_PROPOSALS = 6
+"""How often an explorer proposes an appointment to its relay before it goes on without."""
+
+
+def errand_now(robot: FrontierRobot) -> Errand | None:
+    """Return the errand that comes before all exploration, if there is one."""
+    homing = robot.homing
+    if homing is None:
+        return None
+    why = homing.reason(robot.course) if robot.team.carries else None
+    if why is not None:
+        robot.team.requests.meet = False
+        return homing.errand(robot.course, why)
+    pair = homing.pair
+    if robot.team.requests.meet or not homing.meets_now(robot.course):
+        return None
+    if pair.role is Role.RELAY and pair.stage is Stage.UNTIL_DUE:
+        if homing.may_deliver(robot.course):
+            return homing.errand(robot.course, f"it carries the news of robot {pair.mate}")
+        pair.set_out()
+    return homing.meeting(robot.course)
+
+
+def agree(robot: FrontierRobot, homing: FrontierHoming, following: Place | None) -> Steps:
+    """Agree with the relay, which is here, on the next appointment.
+
+    Parameters
+    ----------
+    robot : FrontierRobot
+        The explorer.
+    homing : FrontierHoming
+        Its part of the pair.
+    following : (x, y) or None
+        Where it goes next; None if it is done.
+    """
+    team, pair = robot.team, homing.pair
+    team.requests.meet = False
+    if pair.role is not Role.EXPLORER:
+        return
+    assert pair.mate is not None
+    proposal = homing.propose(robot.course, following)
+    for _ in range(MAX_PROPOSALS):
+        have = robot.map.entries.counts()
+        yield Send(msgspec.structs.replace(proposal, have=have), pair.mate)
+        yield from team.pause(team.period_s)
+        if pair.accepted:
+            break
+    team.requests.meet = False
+    made = proposal.appointment
+    text = f"meets robot {pair.mate}, which takes its news"
+    if not pair.accepted:
+        text = f"meets robot {pair.mate}, which accepts no appointment"
+    elif made is not None:
+        text += f"; next at {made.due_s:.0f} s (appointment {made.number})"
+    place = None if made is None else made.place
+    yield Note(Decided(time_s=robot.time_s, robot=robot.me.robot, text=text, goal=place))
+
+
+def end_errand(robot: FrontierRobot, errand: Errand, *, barred: bool) -> Steps:
+    """Record that an errand is over, perhaps in vain.
+
+    Parameters
+    ----------
+    robot : FrontierRobot
+        The robot.
+    errand : Errand
+        The errand.
+    barred : bool
+        Whether bodies bar all paths there.
+    """
+    homing = robot.homing
+    assert homing is not None
+    if errand.is_over():
+        return
+    if errand.kind == "home":
+        if barred:
+            homing.note_barred(robot.at[:2])
+        else:
+            homing.note_unheard(robot.time_s)
+        return
+    homing.pair.note_in_vain()
+    mate = homing.pair.mate
+    if not homing.pair.is_paired and mate is not None:
+        yield Note(PresumedLost(time_s=robot.time_s, robot=robot.me.robot, other=mate))

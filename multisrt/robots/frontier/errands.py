@@ -1,0 +1,67 @@
+"""Errands: where a robot goes for other ends than to explore, and how long it stays there."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+from multisrt.robots.frontier.goal import Goal
+
+ErrandKind = Literal["home", "meet"]
+"""To deliver news to the base station, or to meet the mate that takes them or has them."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Errand:
+    """Something for which a robot drives to a place, and waits there.
+
+    Attributes
+    ----------
+    kind : {"home", "meet"}
+        What for.
+    why : str
+        Why now, in words, for the record.
+    goal : Goal or None
+        Where, and the path there; None while bodies bar all paths.
+    is_over : callable
+        Whether there is nothing left to go there or to wait for.
+    until_s : float
+        When the robot goes on at the latest if it is there; counted from its arrival if it comes
+        later than `patience_s` before that.
+    patience_s : float
+        Minimum time for which it waits there, in seconds.
+    heard_s : callable
+        When the robot that it waits for was last heard; it waits for `patience_s` from then on.
+    """
+
+    kind: ErrandKind
+    why: str
+    goal: Goal | None
+    is_over: Callable[[], bool]
+    until_s: float = -math.inf
+    patience_s: float = 0.0
+    heard_s: Callable[[], float] = lambda: -math.inf
+
+    @property
+    def what(self) -> str:
+        """What the robot does, in words."""
+        return "goes home" if self.kind == "home" else "goes to meet its mate"
+
+    def is_late(self, now_s: float) -> bool:
+        """Whether a robot that is still on its way need not come any more."""
+        return math.isfinite(self.until_s) and now_s >= self.until_s + self.patience_s
+
+    def waits_until_s(self, arrived_s: float) -> float:
+        """Return when a robot that came at some time goes on at the latest.
+
+        Examples
+        --------
+        >>> wait = Errand(
+        ...     kind="meet", why="", goal=None, is_over=bool, until_s=100.0, patience_s=30.0
+        ... )
+        >>> wait.waits_until_s(20.0), wait.waits_until_s(90.0)
+        (100.0, 120.0)
+        """
+        return max(self.until_s, max(arrived_s, self.heard_s()) + self.patience_s)

@@ -1,0 +1,210 @@
+"""The ways of a robot that goes to frontiers: home over its raster, and to where it meets others.
+
+The way home is the shortest over cells that are known to be passable, to a node from which the base
+station surely hears the robot (`ContactPlaces`). It is cut short where the base station hears the
+robot earlier. Where it did not hear it in the end, the robot goes to the one of these places that
+is nearest to the base station.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from multisrt.geometry.grids.distance_field import DistanceField
+from multisrt.geometry.grids.grid_path import shortest_path
+from multisrt.geometry.numerics.arrays import FloatArray
+from multisrt.robots.explorer import RobotSelf
+from multisrt.robots.frontier.course import Course
+from multisrt.robots.frontier.fields import NEAR_BY_CELLS, indices_of
+from multisrt.robots.frontier.goal import Goal, Place, length_of
+from multisrt.robots.frontier.path_finder import PathFinder
+from multisrt.robots.frontier.scan_map import ScanMap
+from multisrt.robots.homing.contact import ContactPlaces
+
+STANDING_CELLS = 2
+"""How far from a node the cell may be, in cells, at which a robot that goes there stands."""
+
+
+class Ways:
+    """Ways home and to other places, over what a robot knows.
+
+    Parameters
+    ----------
+    me : RobotSelf
+        What the robot knows of itself; it has a base station.
+    map : ScanMap
+        What it knows.
+    paths : PathFinder
+        Its paths.
+
+    Attributes
+    ----------
+    contact : ContactPlaces
+        Where the base station hears it.
+    """
+
+    def __init__(self, me: RobotSelf, map: ScanMap, paths: PathFinder) -> None:
+        self.contact = ContactPlaces(me)
+        self._map = map
+        self._paths = paths
+        # By place where the robot is heard, the passable cell next to it.
+        self._standing: dict[Place, tuple[int, int]] = {}
+        self._sources: dict[Place, None] = {}
+        self._field: DistanceField | None = None
+        self._revision = -1
+
+    @property
+    def lead_home(self) -> bool:
+        """Whether a place is known where the base station hears the robot."""
+        self.contact.update(self._map.entries)
+        return len(self.contact.places) > 0
+
+    def lengths(self, places: FloatArray) -> FloatArray:
+        """Return the lengths of the ways home from places.
+
+        Parameters
+        ----------
+        places : (m, 2) array
+            Places in passable cells, in metres.
+
+        Returns
+        -------
+        (m,) array
+            Metres, at most by the diagonal of a cell too long; ``inf`` where none is known.
+        """
+        field = self._home_field()
+        if field is None:
+            return np.full(len(places), np.inf)
+        return field.distance(indices_of(self._map.raster, places))
+
+    def length_from(self, place: Place) -> float:
+        """Return the length of the way home from where the robot stands, in metres."""
+        if self.contact.hears(*place):
+            return 0.0
+        cell = self._map.raster.passable_near(*place, NEAR_BY_CELLS)
+        if cell is None:
+            return math.inf
+        centre = self._map.raster.centre_of(*cell)
+        return math.dist(place, centre) + float(self.lengths(np.array([centre]))[0])
+
+    def length_between(self, here: Place, there: Place) -> float:
+        """Return the length of the path between two places, without regard to bodies."""
+        field = self._paths.field(*there)
+        cell = self._map.raster.passable_near(*here, NEAR_BY_CELLS)
+        if field is None or cell is None:
+            return math.inf
+        centre = np.array([self._map.raster.centre_of(*cell)])
+        return float(field.distance(indices_of(self._map.raster, centre))[0])
+
+    def goal_home(self, course: Course, *, once_more: bool) -> Goal | None:
+        """Return where to go for the base station to hear the robot, around bodies.
+
+        Parameters
+        ----------
+        course : Course
+            Where the robot is.
+        once_more : bool
+            Whether it was not heard at such a place: then the one nearest to the base station.
+
+        Returns
+        -------
+        Goal or None
+            None if no path is free.
+        """
+        raster, here = self._map.raster, course.at[:2]
+        if self.contact.hears(*here) and not once_more:
+            return Goal(*here, np.array([here]), 0.0)
+        places = list(self._standing_places())
+        nearest = self._end_of_way(here)
+        if once_more:
+            places = [min(places, key=lambda place: math.dist(place, self.contact.base))]
+        paths = self._paths
+        with paths.around_bodies():
+            field = paths.own_field()
+            if field is None:
+                return None
+            if nearest is not None and not once_more:
+                [cost_m] = field.distance(indices_of(raster, np.array([nearest])))
+                if math.isfinite(cost_m):
+                    return self._cut(paths.goal_at(field, *nearest))
+            costs = field.distance(indices_of(raster, np.array(places).reshape(-1, 2)))
+            if not np.isfinite(costs).any():
+                return None
+            found = paths.goal_at(field, *places[int(np.argmin(costs))])
+        return found if once_more else self._cut(found)
+
+    def goal_near(self, place: Place) -> Goal | None:
+        """Return the passable cell nearest to a place as a goal, around bodies."""
+        raster = self._map.raster
+        with self._paths.around_bodies():
+            cell, field = raster.passable_near(*place, NEAR_BY_CELLS), self._paths.own_field()
+            if cell is None or field is None:
+                return None
+            x, y = raster.centre_of(*cell)
+            if not math.isfinite(field.distance(indices_of(raster, np.array([(x, y)])))[0]):
+                return None
+            return self._paths.goal_at(field, x, y)
+
+    def _end_of_way(self, here: Place) -> Place | None:
+        """Return the place to which the way home leads, without regard to bodies."""
+        field = self._home_field()
+        cell = self._map.raster.passable_near(*here, NEAR_BY_CELLS)
+        if field is None or cell is None:
+            return None
+        index = indices_of(self._map.raster, np.array([self._map.raster.centre_of(*cell)]))
+        if not math.isfinite(field.distance(index)[0]):
+            return None
+        x, y = shortest_path(field, index[0])[0].tolist()
+        return x, y
+
+    def _cut(self, goal: Goal) -> Goal:
+        """Return a goal whose path ends where the base station hears the robot on the way."""
+        path = goal.path
+        for k in range(1, len(path)):
+            (ax, ay), (bx, by) = path[k - 1].tolist(), path[k].tolist()
+            leg_m = math.dist((ax, ay), (bx, by))
+            steps = max(1, math.ceil(leg_m / self._map.raster.cell_m))
+            for step in range(1, steps + 1):
+                share = step / steps
+                x, y = ax + share * (bx - ax), ay + share * (by - ay)
+                if self.contact.hears(x, y):
+                    cut = np.vstack([path[:k], [(x, y)]])
+                    return Goal(x, y, cut, length_of(cut))
+        return goal
+
+    def _home_field(self) -> DistanceField | None:
+        """Return the distances from the places where the base station hears the robot."""
+        raster = self._map.raster
+        if self._revision == raster.revision and self._field is not None:
+            return self._field
+        places = self._standing_places()
+        if not places:
+            return None
+        kept, changed = self._field, raster.changed_since(self._revision)
+        if kept is None or kept.passable is not raster.passable or places != self._sources:
+            kept = DistanceField(
+                raster.passable, raster.cell_m, list(places), x0=raster.x0, y0=raster.y0
+            )
+        elif changed is not None:
+            kept.repair(raster.window_of(changed))
+        self._field, self._revision, self._sources = kept, raster.revision, places
+        return kept
+
+    def _standing_places(self) -> dict[Place, None]:
+        """Return the places at which a robot stands that goes to where it is heard."""
+        raster = self._map.raster
+        self.contact.update(self._map.entries)
+        cells = [*self._standing.values()]
+        if cells:
+            rows, columns = raster.indices_of(cells)
+            still = raster.passable[rows, columns].tolist()
+            pairs = zip(self._standing.items(), still, strict=True)
+            self._standing = {place: cell for (place, cell), stands in pairs if stands}
+        for place in self.contact.places:
+            if place not in self._standing:
+                cell = raster.passable_near(*place, STANDING_CELLS)
+                if cell is not None:
+                    self._standing[place] = cell
+        return {raster.centre_of(*cell): None for cell in self._standing.values()}

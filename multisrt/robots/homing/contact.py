@@ -1,0 +1,92 @@
+"""Places from which a robot is sure to be heard by the base station."""
+
+from __future__ import annotations
+
+import math
+
+from multisrt.geometry.numerics.distances import inside
+from multisrt.robots.knowledge import Entries, Node, NodeId
+from multisrt.robots.robot_self import RobotSelf
+
+Place = tuple[float, float]
+
+TOLERANCE_M = 0.05
+"""By so much the distance is to be less than the range: robots stop a little off their goals."""
+
+
+class ContactPlaces:
+    """The nodes from which the base station hears a robot, as far as the robot can know.
+
+    A node counts if the base station is in radio range of it; and, where walls break or weaken
+    links, if it lies in the local safe region of the node, so that nothing is in between. There
+    may be more such places; these are sure.
+
+    Parameters
+    ----------
+    me : RobotSelf
+        What the robot knows of itself; it has a base station.
+
+    Attributes
+    ----------
+    base : (x, y)
+        Where the base station is, in metres.
+    places : list of (x, y)
+        The places, in the order in which the nodes became known.
+    nodes : dict of NodeId
+        The nodes there, in the same order.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from multisrt.geometry.bodies.footprint import Footprint
+    >>> from multisrt.geometry.configuration import Configuration
+    >>> from multisrt.planners.motion.kinematics import Differential
+    >>> from multisrt.robots.robot_self import RadioSelf
+    >>> me = RobotSelf(
+    ...     robot=0,
+    ...     start=Configuration(1.0, 1.0),
+    ...     footprint=Footprint.disc(0.25),
+    ...     kinematics=Differential(),
+    ...     range_m=4.0,
+    ...     rng=np.random.default_rng(0),
+    ...     base=(0.0, 0.0),
+    ...     radio=RadioSelf(range_m=3.0),
+    ... )
+    >>> contact = ContactPlaces(me)
+    >>> contact.hears(0.0, 2.9), contact.hears(2.5, 2.5)
+    (True, False)
+    """
+
+    def __init__(self, me: RobotSelf) -> None:
+        assert me.base is not None
+        self.base: Place = me.base
+        self.places: list[Place] = []
+        self.nodes: dict[NodeId, None] = {}
+        self._range_m = me.radio.range_m - TOLERANCE_M
+        self._sees_through = not me.radio.walls_matter
+        self._looked_at = 0
+
+    def update(self, entries: Entries) -> bool:
+        """Look at the nodes that are new; return whether there are new places."""
+        nodes = entries.nodes
+        if len(nodes) == self._looked_at:
+            return False
+        before = len(self.places)
+        for node in list(nodes.values())[self._looked_at :]:
+            x, y, _ = node.configuration
+            if self.is_sure(node):
+                self.places.append((x, y))
+                self.nodes[node.id] = None
+        self._looked_at = len(nodes)
+        return len(self.places) > before
+
+    def is_sure(self, node: Node) -> bool:
+        """Whether the base station surely hears a robot at a node."""
+        x, y, _ = node.configuration
+        if math.dist((x, y), self.base) > self._range_m:
+            return False
+        return self._sees_through or inside(node.region.boundary, *self.base)
+
+    def hears(self, x: float, y: float) -> bool:
+        """Whether the base station hears a robot at any place here; False where walls matter."""
+        return self._sees_through and math.dist((x, y), self.base) <= self._range_m

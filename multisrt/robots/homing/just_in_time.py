@@ -1,0 +1,121 @@
+"""Home just in time: whether what a robot carries can still be delivered before the time is over.
+
+A robot is to turn back as late as possible, and never too late. A way of length `d` is taken to
+last ``d / speed * (1 + margin)``, and half a turn at its beginning; at home a reserve is left.
+What remains of the time after the way home and the reserve is the *slack*. While a robot drives
+away from home it loses ``2 + margin`` seconds of slack each second at most: one of the clock, the
+others of the way back that grows. So the slack need not be worked out at every step.
+
+Source: J. de Hoog, S. Cameron and A. Visser, Role-based autonomous multi-robot exploration,
+COGNITIVE 2009, where an explorer turns back in time to meet its relay. Differs in: what ends the
+time is the limit of the run, the way is that to where the base station hears the robot, and it has
+a stated margin.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from multisrt.geometry.errors import InvalidInputError
+from multisrt.planners.motion.kinematics import Car, Differential
+from multisrt.robots.homing.options import EXCHANGE_MESSAGES, HomeValues
+from multisrt.robots.robot_self import RobotSelf
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JustInTime:
+    """How long ways last, and when the time is over.
+
+    Attributes
+    ----------
+    limit_s : float
+        When the run ends, in seconds; ``inf`` if it has no limit.
+    speed_m_s : float
+        Speed of the robot.
+    half_turn_s : float
+        Time of half a turn in place, of a car the half circle of its minimum radius.
+    margin : float
+        Share by which ways last longer.
+    reserve_s : float
+        Time in seconds that is left at home.
+
+    Examples
+    --------
+    >>> time = JustInTime(limit_s=100, speed_m_s=0.5, half_turn_s=2, margin=0.25, reserve_s=10)
+    >>> time.way_s(8.0)  # 16 s at full speed, a quarter of that, and half a turn
+    22.0
+    >>> time.slack_s(60.0, 8.0), time.slack_s(80.0, 8.0)
+    (8.0, -12.0)
+    """
+
+    limit_s: float
+    speed_m_s: float
+    half_turn_s: float
+    margin: float
+    reserve_s: float
+
+    @classmethod
+    def of(cls, me: RobotSelf, options: HomeValues) -> JustInTime:
+        """Return that of a robot.
+
+        Raises
+        ------
+        InvalidInputError
+            If the limit is too short to come home from where the robot begins, as the crow flies.
+        """
+        drive = me.kinematics
+        half_turn_s = 0.0
+        if isinstance(drive, Differential):
+            half_turn_s = math.pi / drive.turn_rate_rad_s
+        elif isinstance(drive, Car):
+            half_turn_s = math.pi * drive.turning_radius_m / drive.speed_m_s
+        made = cls(
+            limit_s=me.limit_s,
+            speed_m_s=drive.speed_m_s,
+            half_turn_s=half_turn_s,
+            margin=options.home_margin,
+            reserve_s=options.home_reserve_s + EXCHANGE_MESSAGES * me.radio.latency_s,
+        )
+        made._require_time(me)
+        return made
+
+    @property
+    def losing(self) -> float:
+        """Slack that is lost at most in a second of driving."""
+        return 2.0 + self.margin
+
+    def way_s(self, length_m: float) -> float:
+        """Return how long a way of this length in metres is taken to last."""
+        return length_m / self.speed_m_s * (1.0 + self.margin) + self.half_turn_s
+
+    def slack_s(self, now_s: float, home_m: float) -> float:
+        """Return the time that remains after the way home and the reserve.
+
+        Parameters
+        ----------
+        now_s : float
+            When the robot sets out, in seconds.
+        home_m : float
+            Length of the way in metres.
+
+        Returns
+        -------
+        float
+            Seconds; negative if the time is too short.
+        """
+        return self.limit_s - now_s - self.way_s(home_m) - self.reserve_s
+
+    def _require_time(self, me: RobotSelf) -> None:
+        assert me.base is not None
+        away_m = math.dist(me.start[:2], me.base)
+        least_m = max(0.0, away_m - me.radio.range_m)
+        short_s = -self.slack_s(me.time_s, least_m)
+        if short_s > 0.0:
+            raise InvalidInputError(
+                f"the time limit of {self.limit_s:g} s is too short to bring news home: robot "
+                f"{me.robot} begins at {me.time_s:g} s, {away_m:.3g} m from the base station, and "
+                f"takes {self.way_s(least_m):.3g} s to where it is heard and {self.reserve_s:.3g} "
+                f"s in reserve; give a limit (max_time_s, --max-time) of at least "
+                f"{math.ceil(self.limit_s + short_s)} s, or less home_reserve_s"
+            )

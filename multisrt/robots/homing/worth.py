@@ -1,0 +1,77 @@
+"""Home when what a robot carries is worth it: the share of its map that the base station knows.
+
+Source: J. de Hoog, Role-based multi-robot exploration, thesis, Oxford 2011, and the simulator
+MRESim (exploration by frontiers with return by utility): a robot goes to the base station when
+``known / (known + new)`` falls below a threshold, where *known* is what the base station knows and
+*new* what the robot could tell it. Differs in: both are areas of regions, not counts; what the base
+station knows is what it has acknowledged, and not a guess.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from multisrt.geometry.grids.occupancy import Occupancy
+from multisrt.geometry.grids.occupancy.layers import FREE
+from multisrt.robots.knowledge import CountsByRobot, Entries, NodeId
+
+
+class NewsWorth:
+    """The area that the base station knows, and that which a robot could tell it.
+
+    Areas are counted in the cells of the robot's raster, as far as this robot knows of the nodes.
+
+    Parameters
+    ----------
+    entries : Entries
+        The nodes of the robot.
+    raster : Occupancy
+        Its raster, in which these are painted.
+
+    Examples
+    --------
+    >>> worth = NewsWorth(Entries(), Occupancy(0.1, 0.25))
+    >>> worth.ratio({})  # nothing is known: nothing is new
+    1.0
+    """
+
+    def __init__(self, entries: Entries, raster: Occupancy) -> None:
+        self._entries = entries
+        self._raster = raster
+        self._theirs = Occupancy(raster.cell_m, raster.radius_m)
+        self._painted: dict[int, int] = {}
+
+    def known_m2(self, base_has: CountsByRobot) -> float:
+        """Return the area of the nodes that the base station has, in square metres.
+
+        Parameters
+        ----------
+        base_has : mapping of int to (nodes, closings)
+            What it has; counts never fall from call to call.
+        """
+        for robot, (count, _) in base_has.items():
+            first = self._painted.get(robot, 0)
+            for serial in range(first, count):
+                node = self._entries.nodes.get(NodeId(robot, serial))
+                if node is None:
+                    # This robot lacks it; it is looked for again next time.
+                    count = serial
+                    break
+                self._theirs.add(node.region)
+            self._painted[robot] = max(first, count)
+        return self._area(self._theirs)
+
+    def ratio(self, base_has: CountsByRobot) -> float:
+        """Return the share of what is known here that the base station knows, from 0 to 1.
+
+        Parameters
+        ----------
+        base_has : mapping of int to (nodes, closings)
+            What it has.
+        """
+        known, whole = self.known_m2(base_has), self._area(self._raster)
+        return 1.0 if whole <= known else known / whole
+
+    @staticmethod
+    def _area(raster: Occupancy) -> float:
+        return float(np.count_nonzero(raster.cells == FREE)) * raster.cell_m**2

@@ -1,0 +1,189 @@
+"""How a robot of the SRT family brings its news home: over its roadmap, from node to node.
+
+A tree holds the way home: a robot goes to the nearest node from which the base station surely hears
+it. Steps are not broken off, so it asks at every node whether it is to go home, and before it takes
+a target whether there is time for that and the way home from there. Every hop may begin with a
+turn, which counts as half a one.
+"""
+
+from __future__ import annotations
+
+import math
+
+from multisrt.events import Decided
+from multisrt.geometry.grids.occupancy import Occupancy
+from multisrt.robots.exploration_map import ExplorationMap
+from multisrt.robots.explorer import Note, RobotSelf, Send, Steps
+from multisrt.robots.homing.contact import ContactPlaces
+from multisrt.robots.homing.just_in_time import JustInTime
+from multisrt.robots.homing.worth import NewsWorth
+from multisrt.robots.knowledge import NodeId, WantMessage
+from multisrt.robots.multi_srt.options import MultiSrtOptions
+from multisrt.robots.multi_srt.routes import Routes
+from multisrt.robots.multi_srt.targets import NewPlace, Target
+from multisrt.robots.multi_srt.team import Team
+from multisrt.robots.multi_srt.whereabouts import Whereabouts
+
+CELL_M = 0.1
+"""Width of the cells in which areas of news are counted, in metres, unless the body is smaller."""
+
+
+class CalledHome(Exception):
+    """The robot breaks off what it does, and goes home."""
+
+
+class OutOfTime(Exception):
+    """The robot has nothing to bring home, and no time for another target and the way home."""
+
+
+class SrtHoming:
+    """When a robot goes home, and to which node.
+
+    Parameters
+    ----------
+    me : RobotSelf
+        What the robot knows of itself; it has a base station.
+    options : MultiSrtOptions
+        Its parameters.
+    at : Whereabouts
+        Where it is.
+    known : ExplorationMap
+        Its map.
+    routes : Routes
+        Its routes.
+    team : Team
+        Its messages, which tell what the base station knows.
+
+    Attributes
+    ----------
+    is_asked : bool
+        Whether the robot asks on its way; not while it goes home, or has ended.
+    """
+
+    def __init__(
+        self,
+        me: RobotSelf,
+        options: MultiSrtOptions,
+        at: Whereabouts,
+        known: ExplorationMap,
+        routes: Routes,
+        team: Team,
+    ) -> None:
+        self.is_asked = True
+        self._time = JustInTime.of(me, options)
+        self._contact = ContactPlaces(me)
+        self._options = options
+        self._at = at
+        self._map = known
+        self._routes = routes
+        self._team = team
+        cell_m = min(CELL_M, me.footprint.width_m)
+        self._raster = Occupancy(cell_m, me.footprint.circumscribed_radius_m)
+        self._painted = 0
+        self._worth = NewsWorth(known.entries, self._raster)
+        self._unheard_s: float | None = None
+
+    def ask(self) -> None:
+        """Go home, if the time has come or what the robot carries is worth it.
+
+        Raises
+        ------
+        CalledHome
+            If it is to go home; with the reason in words.
+        """
+        if not self.is_asked or not self.may_deliver:
+            return
+        route = self.route_from(self._at.node)
+        if route is None:
+            return
+        if self._slack_s(self._at.time_s, route) < 0.0:
+            limit_s = self._time.limit_s
+            raise CalledHome(f"the limit of {limit_s:g} s leaves time for the way home only")
+        ratio = self._options.home_ratio
+        if self._options.home == "worth" and len(route) > 1 and self._ratio() < ratio:
+            raise CalledHome(f"the base station knows less than {ratio:.0%} of what it knows")
+
+    def weigh(self, target: Target) -> None:
+        """Go home if there is no time for a target and the way home from there.
+
+        Raises
+        ------
+        CalledHome
+            If there is not, and the robot carries something.
+        OutOfTime
+            If there is not, and it carries nothing.
+        """
+        if not self.is_asked:
+            return
+        route = self.route_from(target.route[-1])
+        if route is None or not self._may_be_heard:
+            return
+        there, beyond_m = list(target.route), 0.0
+        if isinstance(target, NewPlace):
+            x, y, _ = self._map[there[-1]].configuration
+            beyond_m = math.dist((x, y), (target.x, target.y))
+        out_m = self._routes.length_m(there) + beyond_m
+        out_s = out_m / self._time.speed_m_s + len(there) * self._time.half_turn_s
+        if self._slack_s(self._at.time_s + out_s, route, beyond_m) < 0.0:
+            if self._team.carries:
+                raise CalledHome("there is no time for its next target and the way home")
+            raise OutOfTime
+
+    @property
+    def may_deliver(self) -> bool:
+        """Whether the robot carries something, and may be heard somewhere."""
+        return self._team.carries and self._may_be_heard
+
+    @property
+    def _may_be_heard(self) -> bool:
+        unheard_s = self._unheard_s
+        if unheard_s is not None and self._team.base_heard_s <= unheard_s:
+            return False
+        self._contact.update(self._map.entries)
+        return len(self._contact.nodes) > 0
+
+    def is_home(self) -> bool:
+        """Whether the robot is at a node where the base station hears it."""
+        return self._at.here in self._contact.nodes
+
+    def route_from(self, node: NodeId) -> list[NodeId] | None:
+        """Return the route from a node to the nearest one where the base station hears the robot.
+
+        Returns
+        -------
+        list of NodeId or None
+            None if there is none, or bodies bar it.
+        """
+        self._contact.update(self._map.entries)
+        return self._routes.to_nearest(node, self._contact.nodes.__contains__)
+
+    def _slack_s(self, now_s: float, route: list[NodeId], before_m: float = 0.0) -> float:
+        turns_s = max(0, len(route) - 1) * self._time.half_turn_s
+        length_m = before_m + self._routes.length_m(route)
+        return self._time.slack_s(now_s + turns_s, length_m)
+
+    def _ratio(self) -> float:
+        nodes = self._map.entries.nodes
+        for node in list(nodes.values())[self._painted :]:
+            self._raster.add(node.region)
+        self._painted = len(nodes)
+        return self._worth.ratio(self._team.base_has)
+
+    def deliver(self) -> Steps:
+        """Report until the base station has acknowledged all, for a while at the longest."""
+        team, at = self._team, self._at
+        until_s = at.time_s + self._options.home_wait_s
+        while team.carries and at.time_s < until_s:
+            assert team.base is not None
+            yield from team.rest()
+            have = self._map.entries.counts()
+            yield Send(WantMessage(sender=team.number, have=have), team.base)
+            yield from team.pause(team.period_s)
+        self._unheard_s = at.time_s if team.carries else None
+
+    def told(self, why: str) -> Note:
+        """Return the action that records why the robot goes home."""
+        route = self.route_from(self._at.node)
+        place = None if route is None else self._map[route[-1]].configuration[:2]
+        text, number = f"goes home: {why}", self._team.number
+        return Note(Decided(time_s=self._at.time_s, robot=number, text=text, goal=place))

@@ -1,0 +1,525 @@
+"""Robots that go to frontiers bring news home: in corridors, with answers worked out by hand."""
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+import shapely
+
+from multisrt.analysis.measuring import measure
+from multisrt.environments.environment import Environment
+from multisrt.events import BaseLearned, Decided, Ended, GoalChosen, Motion, NodeAdded, PresumedLost
+from multisrt.geometry.bodies.footprint import Footprint
+from multisrt.geometry.configuration import Configuration
+from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.regions.edge_index import EdgeIndex
+from multisrt.geometry.regions.scan import take_scan
+from multisrt.planners.motion.kinematics import Differential
+from multisrt.robots.explorer import Done, RadioSelf, RobotSelf
+from multisrt.robots.frontier.options import FrontierOptions
+from multisrt.robots.frontier.robot import FrontierRobot
+from multisrt.robots.registry import registered
+from multisrt.robots.strategy import Strategy
+from multisrt.robots.toolkit import RegionExplorer
+from multisrt.simulation.simulate import simulate
+from multisrt.simulation.worlds import inline
+from multisrt.spec import (
+    BaseSpec,
+    Death,
+    DriveSpec,
+    RadioSpec,
+    RobotSpec,
+    RunSpec,
+    Silence,
+    StopRule,
+)
+
+# A corridor of 60 m, with the base station at its left end.
+NARROW = Environment("narrow", shapely.box(0, 0, 60, 1.2))
+WIDE = Environment("wide", shapely.box(0, 0, 60, 2.4))
+NEAR = RadioSpec(range_m=3.0)
+
+
+def go(world, *starts, strategy="closest", limit_s=400.0, base=(1.0, 0.6), **changes):
+    options = {key: changes.pop(key) for key in list(changes) if key.startswith("home")}
+    drive = changes.pop("drive", DriveSpec())
+    fields = {"radio": NEAR} | changes
+    return simulate(
+        RunSpec(
+            environment=inline(world),
+            strategy=strategy,
+            options=options,
+            robots=tuple(RobotSpec(start=start, drive=drive) for start in starts),
+            base=BaseSpec(x=base[0], y=base[1]),
+            stop=StopRule(max_time_s=limit_s),
+            **fields,
+        )
+    )
+
+
+def same(coverage):
+    return pytest.approx(coverage, abs=1e-9)
+
+
+def told(recording, robot=0):
+    return [(e.time_s, e.text) for e in recording.of(Decided) if e.robot == robot]
+
+
+def place_at(recording, time_s, robot=0):
+    """Where a robot was."""
+    place = recording.header.starts[robot][:2]
+    for motion in recording.of(Motion):
+        if motion.robot == robot:
+            for t, x, y, _ in motion.waypoints:
+                if t <= time_s:
+                    place = x, y
+    return place
+
+
+def lost(recording):
+    # A robot that is dead may also be met on the way.
+    return {(e.robot, e.other) for e in recording.of(PresumedLost)}
+
+
+# In time -----------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def in_time():
+    """One robot, 100 s, a radio of 3 m."""
+    return go(NARROW, (1.0, 0.6), home="in-time", limit_s=100.0)
+
+
+def left_s(choice):
+    """Time that a goal leaves: at 0.5 m/s there, and home to x = 3.5 with a quarter more."""
+    there_s = choice.time_s + (choice.goal[0] - x_of(choice)) / 0.5
+    # The node at x = 3.5 is the last within 3 m of the base; half a turn is 2 s, and 10 s are left
+    # at home, besides two legs of a second each of which takes 2.25 s.
+    return 100.0 - there_s - (choice.goal[0] - 3.5) / 0.5 * 1.25 - 2.0 - 10.0 - 4.5
+
+
+def x_of(choice):
+    # It drives on at 0.5 m/s from x = 1 without a turn.
+    return 1.0 + 0.5 * choice.time_s
+
+
+def test_it_turns_back_when_the_next_goal_and_the_way_home_do_not_fit(in_time):
+    [(turned_s, text)] = told(in_time)
+    assert text == "goes home: there is no time for its next goal and the way home"
+    choices = [c for c in in_time.of(GoalChosen) if c.time_s <= turned_s]
+    *fitting, last = choices
+    assert last.time_s == turned_s
+    # Half a cell of the goal's place, on both ways, is 0.5 s.
+    assert all(left_s(choice) > -0.5 for choice in fitting)
+    assert left_s(last) < 0.5
+    # That is, with goals 4 m ahead and one choice in 2 s, at 32 s and x = 17.
+    assert (turned_s, place_at(in_time, turned_s)[0]) == (32.0, pytest.approx(17.0, abs=0.05))
+
+
+def test_all_that_it_saw_is_delivered_as_soon_as_it_is_heard(in_time):
+    metrics = measure(in_time, NARROW)
+    assert metrics.delivered_coverage == same(metrics.coverage)
+    assert metrics.coverage == pytest.approx(21.0 / 60.0, abs=0.005)
+    *_, last = in_time.of(BaseLearned)
+    nodes = {(e.robot, e.serial) for e in in_time.of(NodeAdded)}
+    assert {tuple(n) for e in in_time.of(BaseLearned) for n in e.nodes} == nodes
+    # 13 m from x = 17 to where the base hears it, and half a turn: 28 s after 32 s.
+    x, _ = place_at(in_time, last.time_s)
+    assert x == pytest.approx(4.0, abs=0.15)
+    assert last.time_s == pytest.approx(60.0, abs=0.5)
+    [ended] = in_time.of(Ended)
+    assert not ended.complete
+    assert ended.reason == "no time is left for another goal and the way home"
+    assert {m.purpose for m in in_time.of(Motion)} == {"explore", "home"}
+
+
+def test_without_the_option_nothing_is_brought_home():
+    recording = go(NARROW, (1.0, 0.6), limit_s=100.0)
+    metrics = measure(recording, NARROW)
+    assert told(recording) == []
+    assert metrics.coverage > 0.85
+    # What it saw when it was last heard: from x = 4 up to x = 8.
+    assert metrics.delivered_coverage == pytest.approx(8.0 / 60.0, abs=0.01)
+
+
+def test_a_robot_that_has_explored_all_brings_it_home():
+    world = Environment("short", shapely.box(0, 0, 20, 1.2))
+    recording = go(world, (1.0, 0.6), home="in-time")
+    [(_, text)] = told(recording)
+    assert text == "goes home: it knows of nothing that is left to explore"
+    metrics = measure(recording, world)
+    assert metrics.delivered_coverage == same(metrics.coverage)
+    assert metrics.coverage > 0.99
+    [ended] = recording.of(Ended)
+    assert ended.complete
+
+
+def corridor_robot(**options):
+    """A robot at x = 13.5 in the narrow corridor that has scanned every half metre."""
+    me = RobotSelf(
+        robot=0,
+        start=Configuration(1.0, 0.6, 0.0),
+        footprint=Footprint.disc(0.25),
+        kinematics=Differential(speed_m_s=0.5, turn_rate_rad_s=math.pi / 2),
+        range_m=4.0,
+        rng=np.random.default_rng(1),
+        base=(1.0, 0.6),
+        radio=RadioSelf(range_m=3.0, reaches_all=False),
+        limit_s=100.0,
+    )
+    robot = FrontierRobot(me, FrontierOptions(home="in-time", **options))
+    index = EdgeIndex(NARROW.edges, 1.5)
+    for x in np.arange(1.0, 13.6, 0.5):
+        robot.map.add(take_scan(index, Configuration(x, 0.6, 0.0), x, 4.0))
+    robot.course.arrive(Configuration(13.5, 0.6, 0.0), 0.0)
+    return robot
+
+
+def test_it_is_called_home_on_the_way_when_the_time_has_come():
+    # 10 m to x = 3.5 take 20 s, 5 s of margin and 2 s for half a turn; 10 s in reserve, and two
+    # legs of 2.25 s: 41.5 s before the end.
+    robot = corridor_robot()
+    for time_s, called in ((0.0, False), (40.0, False), (58.2, False), (58.8, True), (99.0, True)):
+        robot.course.time_s = time_s
+        assert robot.is_called_home() is called
+    # The time that was found to be left is not asked for again, and is not too long.
+    robot = corridor_robot()
+    assert not robot.is_called_home()
+    robot.course.time_s = 58.8
+    assert robot.is_called_home()
+
+
+def test_a_robot_that_carries_nothing_is_not_called_home():
+    robot = corridor_robot()
+    robot.course.time_s = 80.0
+    assert robot.is_called_home()
+    robot.team.base_has = robot.map.entries.have()
+    assert not robot.is_called_home()
+
+
+def test_who_knows_no_way_home_goes_on():
+    # It begins 30 m from the base station, and has to find the way.
+    recording = go(NARROW, (31.0, 0.6), home="in-time", limit_s=300.0)
+    metrics = measure(recording, NARROW)
+    assert metrics.delivered_coverage == same(metrics.coverage)
+    assert metrics.coverage > 0.5
+
+
+def test_behind_walls_it_goes_to_where_nothing_is_in_between():
+    # The base is behind a wall that the robot passes at 1 m from it, but without a line of sight.
+    walls = shapely.box(4.0, 1.2, 12.0, 1.4)
+    world = Environment("bend", shapely.box(0, 0, 24, 3).difference(walls))
+    radio = RadioSpec(range_m=6.0, walls="block")
+    recording = go(world, (1.0, 0.6), home="in-time", limit_s=120.0, base=(1.0, 2.4), radio=radio)
+    metrics = measure(recording, world)
+    assert metrics.delivered_coverage == same(metrics.coverage)
+    assert metrics.coverage > 0.8
+    assert metrics.collisions == 0
+
+
+def test_lost_messages_are_sent_again():
+    radio = RadioSpec(range_m=3.0, loss=0.6, latency_s=0.1)
+    recording = go(NARROW, (1.0, 0.6), home="in-time", limit_s=100.0, radio=radio)
+    metrics = measure(recording, NARROW)
+    assert metrics.delivered_coverage == same(metrics.coverage)
+    assert metrics.coverage > 0.25
+
+
+def test_a_robot_without_a_radio_does_not_wait_for_ever():
+    silence = Silence(robot=0, time_s=10.0, duration_s=1000.0)
+    recording = go(
+        NARROW, (1.0, 0.6), home="in-time", limit_s=900.0, faults=(silence,), home_wait_s=20.0
+    )
+    assert recording.footer.outcome == "complete"
+    # All is explored at some 112 s; 104 s home, and two waits of 20 s.
+    assert 230.0 < recording.footer.time_s < 330.0
+    assert measure(recording, NARROW).delivered_coverage < 0.2
+
+
+def test_a_carrier_that_dies_loses_what_it_carries():
+    recording = go(
+        NARROW, (1.0, 0.6), home="in-time", limit_s=100.0, faults=(Death(robot=0, time_s=40.0),)
+    )
+    metrics = measure(recording, NARROW)
+    assert metrics.coverage == pytest.approx(21.0 / 60.0, abs=0.005)
+    assert metrics.delivered_coverage == pytest.approx(8.0 / 60.0, abs=0.01)
+
+
+def test_a_body_that_bars_the_way_home_ends_no_exploration():
+    # Robot 1 dies behind robot 0, in a corridor where there is no room to pass.
+    recording = go(
+        NARROW,
+        (2.0, 0.6),
+        (1.0, 0.6),
+        home="in-time",
+        limit_s=300.0,
+        strategy="minpos",
+        faults=(Death(robot=1, time_s=25.0),),
+    )
+    metrics = measure(recording, NARROW)
+    assert metrics.collisions == 0
+    assert metrics.coverage > 0.99
+
+
+@pytest.mark.parametrize(
+    ("limit_s", "base", "match"),
+    [
+        (11.0, (1.0, 0.6), "11 s is too short to bring news home: robot 0 begins at 0 s, 0 m"),
+        (
+            100.0,
+            (58.0, 0.6),
+            "robot 0 begins at 0 s, 57 m from the base station, .* at least 147 s",
+        ),
+    ],
+)
+def test_a_limit_that_is_too_short_is_refused(limit_s, base, match):
+    with pytest.raises(InvalidInputError, match=match):
+        go(NARROW, (1.0, 0.6), home="in-time", limit_s=limit_s, base=base)
+
+
+# Worth it ----------------------------------------------------------------------------------------
+
+
+def test_it_goes_home_when_the_share_that_is_known_there_falls_below_the_ratio():
+    recording = go(NARROW, (1.0, 0.6), home="worth", home_ratio=0.7, limit_s=400.0)
+    nodes = {
+        (e.robot, e.serial): (e.time_s, shapely.Polygon(e.boundary))
+        for e in recording.of(NodeAdded)
+    }
+    learned = {tuple(n): e.time_s for e in recording.of(BaseLearned) for n in e.nodes}
+
+    def share(time_s):
+        known = [area for name, (_, area) in nodes.items() if learned.get(name, 1e9) <= time_s]
+        whole = [area for made_s, area in nodes.values() if made_s <= time_s]
+        return shapely.union_all(known).area / shapely.union_all(whole).area
+
+    turns = [time_s for time_s, text in told(recording) if "less than 70%" in text]
+    assert len(turns) >= 4
+    for time_s in turns:
+        assert share(time_s) < 0.7 + 0.02
+        assert share(time_s - 2.0) > 0.7 - 0.02
+    # In the corridor the share is the ratio of lengths seen; so each trip is 1 / 0.7 times longer.
+    far = [place_at(recording, time_s)[0] + 4.0 for time_s in turns]
+    for one, following in itertools.pairwise(far[1:]):
+        assert following / one == pytest.approx(1.0 / 0.7, rel=0.06)
+    metrics = measure(recording, NARROW)
+    assert metrics.delivered_coverage == same(metrics.coverage)
+
+
+def test_in_touch_with_the_base_no_way_is_worth_it():
+    recording = go(WIDE, (1.0, 1.2), home="worth", base=(1.0, 1.2), radio=RadioSpec())
+    assert told(recording) == []
+    assert measure(recording, WIDE).delivered_coverage > 0.99
+
+
+# Relays ------------------------------------------------------------------------------------------
+
+
+def pair(*, limit_s=900.0, world=WIDE, **changes):
+    return go(
+        world,
+        (1.0, 1.2),
+        (2.0, 1.2),
+        strategy="minpos",
+        base=(1.0, 1.2),
+        home="relays",
+        limit_s=limit_s,
+        **{"radio": RadioSpec(range_m=5.0)} | changes,
+    )
+
+
+def test_the_relay_brings_home_what_the_explorer_found():
+    recording = pair()
+    metrics = measure(recording, WIDE)
+    assert metrics.delivered_coverage == same(metrics.coverage)
+    assert metrics.coverage > 0.99
+    assert metrics.collisions == 0
+    assert lost(recording) == set()
+    # From beyond 15 m the explorer never came near the base until it was done; the relay did.
+    [done] = [t for t, text in told(recording) if "nothing that is left" in text]
+    by_relay = [e for e in recording.of(BaseLearned) if e.robot == 1 and 60.0 < e.time_s < done]
+    assert len(by_relay) >= 2
+    assert sum(len(e.nodes) for e in by_relay) >= 30
+    # Each appointment is kept before half a minute after its time.
+    agreed = [e for e in recording.of(Decided) if "(appointment" in e.text]
+    for e, following in itertools.pairwise(agreed):
+        due_s = float(e.text.split("next at ")[1].split(" s")[0])
+        assert following.time_s <= due_s + 30.0
+        # Its place is the next goal of the explorer.
+        assert e.goal in [c.goal for c in recording.of(GoalChosen)]
+
+
+def test_an_explorer_whose_relay_is_dead_brings_its_news_home_itself():
+    recording = pair(faults=(Death(robot=1, time_s=100.0),))
+    assert lost(recording) == {(0, 1)}
+    metrics = measure(recording, WIDE)
+    assert metrics.delivered_coverage == same(metrics.coverage)
+    assert metrics.coverage > 0.8
+    assert metrics.collisions == 0
+    texts = [text for _, text in told(recording)]
+    at = next(k for k, text in enumerate(texts) if "at the backup of" in text)
+    assert "goes to meet its mate" in texts[at - 1]
+    assert texts[at + 1].startswith("goes home: the base station knows less than 80%")
+    # It waited at the place until half a minute after the time.
+    due_s = next(
+        float(text.split("next at ")[1].split(" s")[0])
+        for _, text in reversed(told(recording))
+        if "(appointment" in text
+    )
+    [(left_s, _)] = [one for one in told(recording) if "at the backup of" in one[1]]
+    assert left_s == pytest.approx(due_s + 30.0, abs=1.5)
+
+
+def test_a_relay_whose_explorer_is_dead_takes_over_exploring():
+    recording = pair(faults=(Death(robot=0, time_s=100.0),))
+    assert lost(recording) == {(1, 0)}
+    metrics = measure(recording, WIDE)
+    assert metrics.collisions == 0
+    assert metrics.delivered_coverage == same(metrics.coverage)
+    assert metrics.coverage > 0.55
+
+
+def test_what_a_dead_relay_carried_comes_home_by_its_explorer():
+    # It dies on its way home at 80 s, with the news of the meeting at 75 s.
+    recording = pair(faults=(Death(robot=1, time_s=80.0),))
+    assert lost(recording) == {(0, 1)}
+    metrics = measure(recording, WIDE)
+    assert metrics.delivered_coverage == same(metrics.coverage)
+
+
+def test_with_a_radio_that_reaches_all_there_is_nothing_to_meet_for():
+    recording = pair(radio=RadioSpec())
+    assert not any("goes to meet" in text for _, text in told(recording))
+    assert measure(recording, WIDE).delivered_coverage > 0.99
+    # It takes no longer than without relays, but for the moments in which they agree.
+    other = go(WIDE, (1.0, 1.2), strategy="minpos", base=(1.0, 1.2), radio=RadioSpec())
+    assert recording.footer.time_s < other.footer.time_s + 15.0
+
+
+def test_lost_messages_do_not_part_a_pair_for_long():
+    recording = pair(radio=RadioSpec(range_m=5.0, loss=0.3, latency_s=0.05))
+    metrics = measure(recording, WIDE)
+    assert metrics.delivered_coverage == same(metrics.coverage)
+    assert metrics.coverage > 0.95
+
+
+def test_a_pair_that_begins_apart_from_the_base_finds_it_first():
+    recording = go(
+        WIDE,
+        (30.0, 1.2),
+        (31.0, 1.2),
+        strategy="minpos",
+        base=(1.0, 1.2),
+        home="relays",
+        limit_s=900.0,
+        radio=RadioSpec(range_m=5.0),
+    )
+    metrics = measure(recording, WIDE)
+    assert metrics.delivered_coverage == same(metrics.coverage)
+    assert metrics.coverage > 0.9
+
+
+# All rules ---------------------------------------------------------------------------------------
+
+
+RULES = ("closest", "greedy", "minpos", "utility", "self-bidding", "rules", "gain")
+HALL = Environment(
+    "hall",
+    shapely.box(0, 0, 24, 12).difference(
+        shapely.union_all([shapely.box(x, 0, x + 0.2, 9) for x in (6, 18)]).union(
+            shapely.box(12, 3, 12.2, 12)
+        )
+    ),
+)
+
+
+@pytest.mark.parametrize("rule", RULES)
+@pytest.mark.parametrize("home", ["in-time", "relays"])
+def test_every_rule_brings_home_all_that_living_robots_know(rule, home):
+    recording = go(
+        HALL,
+        (1.0, 1.0),
+        (2.0, 2.0),
+        (3.0, 1.0),
+        strategy=rule,
+        base=(1.0, 1.0),
+        home=home,
+        limit_s=150.0,
+        radio=RadioSpec(range_m=6.0, walls="block"),
+        faults=(Death(robot=2, time_s=50.0),),
+    )
+    metrics = measure(recording, HALL)
+    assert metrics.collisions == 0
+    known = {
+        tuple(n)
+        for e in recording.events
+        if getattr(e, "nodes", None) and getattr(e, "robot", None) != 2
+        for n in e.nodes
+    } | {(e.robot, e.serial) for e in recording.of(NodeAdded) if e.robot != 2}
+    delivered = {tuple(n) for e in recording.of(BaseLearned) for n in e.nodes}
+    assert known <= delivered
+    assert metrics.delivered_coverage > 0.3
+
+
+def test_a_car_comes_home():
+    world = Environment("yard", shapely.box(0, 0, 30, 6))
+    recording = go(
+        world,
+        (2.0, 3.0),
+        drive=DriveSpec(kind="reeds-shepp"),
+        base=(1.0, 3.0),
+        home="in-time",
+        limit_s=80.0,
+    )
+    metrics = measure(recording, world)
+    assert metrics.delivered_coverage == same(metrics.coverage)
+    assert metrics.coverage > 0.3
+
+
+def test_the_same_run_is_the_same_to_the_byte():
+    runs = [pair(limit_s=200.0, radio=RadioSpec(range_m=5.0, loss=0.2)) for _ in range(2)]
+    assert runs[0].footer.digest == runs[1].footer.digest
+
+
+# Strategies of one's own -------------------------------------------------------------------------
+
+
+class Newest(RegionExplorer):
+    """To a frontier of the newest node that has one."""
+
+    def choose(self):
+        for node in reversed(self.map.open_nodes()):
+            for arc in self.map.frontier_arcs(node):
+                place = arc[len(arc) // 2, :2]
+                if np.isfinite(self.costs(place)[0]):
+                    return place
+        return None
+
+
+class Stays:
+    """Does nothing."""
+
+    def __init__(self, me):
+        self.me = me
+
+    def run(self):
+        yield Done(complete=False, reason="stays")
+
+
+@pytest.mark.parametrize("home", ["in-time", "worth"])
+def test_a_planner_on_regions_brings_news_home_without_a_line_of_its_own(home):
+    with registered(Strategy.of(Newest)):
+        recording = go(NARROW, (1.0, 0.6), strategy="newest", home=home, limit_s=120.0)
+        metrics = measure(recording, NARROW)
+    assert any(text.startswith("goes home") for _, text in told(recording))
+    assert metrics.delivered_coverage == same(metrics.coverage)
+    assert metrics.coverage > 0.2
+
+
+def test_a_strategy_without_the_option_refuses_it():
+    with (
+        registered(Strategy.of(Stays)),
+        pytest.raises(InvalidInputError, match="stays has no option 'home'"),
+    ):
+        go(NARROW, (1.0, 0.6), strategy="stays", home="in-time")

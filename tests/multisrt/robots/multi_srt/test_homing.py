@@ -1,0 +1,129 @@
+"""Robots of the SRT family bring news home, over their roadmap."""
+
+import pytest
+import shapely
+
+from multisrt.analysis.measuring import measure
+from multisrt.environments.environment import Environment
+from multisrt.events import BaseLearned, Decided, Decision, Ended, NodeAdded
+from multisrt.geometry.errors import InvalidInputError
+from multisrt.robots.registry import strategy
+from multisrt.simulation.simulate import simulate
+from multisrt.simulation.worlds import inline
+from multisrt.spec import BaseSpec, Death, RadioSpec, RobotSpec, RunSpec, StopRule
+
+CORRIDOR = Environment("corridor", shapely.box(0, 0, 60, 2.4))
+
+
+def spec_of(*starts, name="srt-radial", limit_s=150.0, radio_m=3.0, faults=(), **options):
+    return RunSpec(
+        environment=inline(CORRIDOR),
+        strategy=name,
+        options=options,
+        robots=tuple(RobotSpec(start=start) for start in starts),
+        radio=RadioSpec(range_m=radio_m),
+        base=BaseSpec(x=1.0, y=1.2),
+        stop=StopRule(max_time_s=limit_s),
+        faults=faults,
+    )
+
+
+def told(recording, robot=0):
+    return [(e.time_s, e.text) for e in recording.of(Decided) if e.robot == robot]
+
+
+@pytest.mark.parametrize("name", ["srt-radial", "srt-star", "srt-ball"])
+def test_it_is_home_in_time_with_all_that_it_knows(name):
+    recording = simulate(spec_of((1.0, 1.2), name=name, home="in-time"))
+    metrics = measure(recording, CORRIDOR)
+    assert metrics.delivered_coverage == pytest.approx(metrics.coverage, abs=1e-9)
+    assert metrics.coverage > 0.1
+    [(_, text)] = told(recording)
+    assert text == "goes home: there is no time for its next target and the way home"
+    [ended] = recording.of(Ended)
+    assert not ended.complete
+    assert ended.reason.startswith("no time is left")
+
+
+def test_the_target_that_it_gave_up_did_not_fit_and_the_others_did():
+    recording = simulate(spec_of((1.0, 1.2), home="in-time"))
+    [(turned_s, _)] = told(recording)
+    nodes = [e for e in recording.of(NodeAdded) if e.time_s <= turned_s]
+    # In a corridor all places lie on a line, but for the width: home is the root at x = 1.
+    here = nodes[-1].configuration[0]
+    hops = len(nodes) - 1
+    # A quarter more than the way, at 0.5 m/s, half a turn (2 s) each hop, and 10 s in reserve: a
+    # step ahead of 4 m and back takes 8 s and 10 s, and half a turn more on both ways.
+    home_s = (here - 1.0) / 0.5 * 1.25 + 2.0 * hops + 2.0 + 10.0
+    assert turned_s + home_s < 150.0
+    assert turned_s + home_s + 18.0 + 4.0 > 150.0 - 4.0
+
+
+def test_without_the_option_its_news_stay_out():
+    recording = simulate(spec_of((1.0, 1.2), limit_s=100.0))
+    metrics = measure(recording, CORRIDOR)
+    assert told(recording) == []
+    assert metrics.delivered_coverage < 0.3 < metrics.coverage
+
+
+def test_it_goes_home_when_that_is_worth_it_and_goes_on():
+    recording = simulate(spec_of((1.0, 1.2), limit_s=300.0, home="worth", home_ratio=0.8))
+    nodes = {
+        (e.robot, e.serial): (e.time_s, shapely.Polygon(e.boundary))
+        for e in recording.of(NodeAdded)
+    }
+    learned = {tuple(n): e.time_s for e in recording.of(BaseLearned) for n in e.nodes}
+    turns = [time_s for time_s, text in told(recording) if "less than 80%" in text]
+    assert len(turns) >= 3
+    for time_s in turns:
+        known = [area for name, (_, area) in nodes.items() if learned.get(name, 1e9) <= time_s]
+        whole = [area for made_s, area in nodes.values() if made_s <= time_s]
+        assert shapely.union_all(known).area / shapely.union_all(whole).area < 0.81
+    metrics = measure(recording, CORRIDOR)
+    assert metrics.delivered_coverage == pytest.approx(metrics.coverage, abs=1e-9)
+    # After the deliveries it explores on.
+    assert max(e.time_s for e in recording.of(Decision) if e.choice == "draw") > turns[-1] - 30.0
+
+
+def test_a_robot_that_is_done_carries_the_rest_home():
+    spec = spec_of((20.0, 1.2), limit_s=86_400.0, home="in-time")
+    recording = simulate(spec)
+    metrics = measure(recording, CORRIDOR)
+    # Its root is out of reach of the base: it ends at a node that is not.
+    assert metrics.delivered_coverage == pytest.approx(metrics.coverage, abs=1e-9)
+    assert metrics.coverage > 0.95
+    [ended] = recording.of(Ended)
+    assert ended.complete
+
+
+def test_a_teams_living_robots_bring_home_what_they_know():
+    recording = simulate(
+        spec_of(
+            (1.0, 1.2),
+            (2.5, 1.2),
+            (4.0, 1.2),
+            radio_m=12.0,
+            limit_s=200.0,
+            home="in-time",
+            faults=(Death(robot=2, time_s=60.0),),
+        )
+    )
+    metrics = measure(recording, CORRIDOR)
+    assert metrics.collisions == 0
+    own = {(e.robot, e.serial) for e in recording.of(NodeAdded) if e.robot != 2}
+    delivered = {tuple(n) for e in recording.of(BaseLearned) for n in e.nodes}
+    assert own <= delivered
+
+
+def test_trees_have_no_relays():
+    with pytest.raises(InvalidInputError, match="home='relays' of srt-star"):
+        strategy("srt-star").parse_options({"home": "relays"})
+
+
+def test_a_limit_too_short_and_a_missing_base_are_refused():
+    with pytest.raises(InvalidInputError, match="too short to bring news home"):
+        simulate(spec_of((59.0, 1.2), home="in-time", limit_s=100.0))
+    with pytest.raises(InvalidInputError, match="srt-radial needs a base station"):
+        strategy("srt-radial").require_fit(
+            RunSpec(environment=inline(CORRIDOR), options={"home": "in-time"})
+        )

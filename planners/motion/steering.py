@@ -92,6 +92,8 @@ def steer(
     start: Configuration,
     x: float,
     y: float,
+    *,
+    saves_turns: bool = False,
 ) -> Trajectory | None:
     """Return the straight motion to a place inside a region.
 
@@ -105,12 +107,14 @@ def steer(
         Configuration of the body.
     x, y : float
         The place in metres.
+    saves_turns : bool
+        Whether a differential body drives backwards where it turns less for that.
 
     Returns
     -------
     Trajectory or None
-        None if no turn and straight motion stays in the region. A differential body drives
-        forwards if it can, and backwards if it has no room to turn round.
+        None if no turn and straight motion stays in the region. Without `saves_turns` a
+        differential body drives forwards if it can, and backwards if it has no room to turn round.
 
     Examples
     --------
@@ -127,7 +131,10 @@ def steer(
     if isinstance(kinematics, Holonomic):
         passes = body.passes(boundary, start, direction, distance)
         return kinematics.drive(start, x, y) if passes else None
-    for wanted in (direction, direction + math.pi):
+    headings = [direction, direction + math.pi]
+    if saves_turns and math.cos(direction - start.heading) < 0.0:
+        headings.reverse()
+    for wanted in headings:
         for turn in turns_between(start.heading, wanted):
             if body.can_turn(boundary, start, turn):
                 turned = kinematics.turn(start, turn)

@@ -97,6 +97,7 @@ def drive_leg(
             robot.at,
             path,
             until_s=robot.options.sense_period_s,
+            saves_turns=robot.options.saves_turns,
         )
     else:
         motion = yield from car.motion_along(path)

@@ -44,6 +44,9 @@ class FrontierOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
         Whether the paths that the robot drives come from a fast march, or from the exact
         Euclidean distance transform that SBX-R uses. The lengths by which goals are chosen are
         those of the fast march in either case.
+    saves_turns : bool
+        Whether a differential drive takes a leg of its path backwards where it turns less for that:
+        a range finder that sees all around shows the same either way.
     report_period_s : float
         Time after which a robot that drives reports its position, if it has reported nothing
         else, in seconds.
@@ -105,6 +108,7 @@ class FrontierOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
     replan_period_s: float = 2.0
     reached: Literal["cell", "sight"] = "cell"
     paths: Literal["march", "eedt"] = "march"
+    saves_turns: bool = False
     report_period_s: float = 2.0
     lost_after_s: float = 15.0
     relay_for_s: float = 15.0

@@ -45,6 +45,18 @@ def followed(
     return motion
 
 
+def test_a_way_back_is_driven_backwards_to_save_turns():
+    at = Configuration(3.5, 0.5, 0.0)
+    back = np.array([[3.5, 0.5], [0.5, 0.5]])
+    turned = follow(DISC, DRIVE, ELL, at, back)
+    reversed_ = follow(DISC, DRIVE, ELL, at, back, saves_turns=True)
+    assert turned is not None
+    assert reversed_ is not None
+    assert turned.end == pytest.approx((0.5, 0.5, math.pi))
+    assert reversed_.end == pytest.approx((0.5, 0.5, 0.0))
+    assert turned.duration_s - reversed_.duration_s == pytest.approx(math.pi / DRIVE.turn_rate_rad_s)
+
+
 PATH = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 3.0]])
 
 

@@ -231,8 +231,11 @@ class GainOptions(BiddingOptions, frozen=True, kw_only=True, forbid_unknown_fiel
         added to the area beyond each.
     turn_m_per_rad : float
         Way in metres that a radian of the first turn counts as.
+    saves_turns : bool
+        As above.
     """
 
+    saves_turns: bool = True
     power: float = 4.0
     return_area_m2: float = 5.0
     turn_m_per_rad: float = 0.3

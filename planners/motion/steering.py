@@ -92,8 +92,6 @@ def steer(
     start: Configuration,
     x: float,
     y: float,
-    *,
-    saves_turns: bool = False,
 ) -> Trajectory | None:
     """Return the straight motion to a place inside a region.
 
@@ -107,14 +105,13 @@ def steer(
         Configuration of the body.
     x, y : float
         The place in metres.
-    saves_turns : bool
-        Whether a differential body drives backwards where it turns less for that.
 
     Returns
     -------
     Trajectory or None
-        None if no turn and straight motion stays in the region. Without `saves_turns` a
-        differential body drives forwards if it can, and backwards if it has no room to turn round.
+        None if no turn and straight motion stays in the region. A differential body drives
+        forwards if it can, and backwards if it has no room to turn round; one that saves turns
+        first tries the direction for which it turns less.
 
     Examples
     --------
@@ -132,7 +129,7 @@ def steer(
         passes = body.passes(boundary, start, direction, distance)
         return kinematics.drive(start, x, y) if passes else None
     headings = [direction, direction + math.pi]
-    if saves_turns and math.cos(direction - start.heading) < 0.0:
+    if kinematics.saves_turns and math.cos(direction - start.heading) < 0.0:
         headings.reverse()
     for wanted in headings:
         for turn in turns_between(start.heading, wanted):

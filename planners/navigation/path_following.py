@@ -65,7 +65,6 @@ def follow(
     limit_m: float = math.inf,
     min_length_m: float = MIN_MOTION_M,
     until_s: float = math.inf,
-    saves_turns: bool = False,
 ) -> Trajectory | None:
     """Return the motion along the longest beginning of a path that stays in a region.
 
@@ -88,8 +87,6 @@ def follow(
         Minimum length in metres of a motion that does not reach the end of the path.
     until_s : float
         Time in seconds up to which the motion is needed. Legs that begin later are left out.
-    saves_turns : bool
-        Whether a differential body drives a leg backwards where it turns less for that.
 
     Returns
     -------
@@ -133,14 +130,14 @@ def follow(
         distance = math.dist((x, y), here[:2])
         if distance < SAME_CORNER_M:
             continue
-        leg = steer(body, kinematics, boundary, here, x, y, saves_turns=saves_turns)
+        leg = steer(body, kinematics, boundary, here, x, y)
         fits = leg is not None
         if leg is None:
             direction = math.atan2(y - here.y, x - here.x)
             distance = reach(body, kinematics, boundary, here, direction, distance)
             x, y = _within(here, corner, distance)
             if distance >= SAME_CORNER_M:
-                leg = steer(body, kinematics, boundary, here, x, y, saves_turns=saves_turns)
+                leg = steer(body, kinematics, boundary, here, x, y)
         if leg is not None:
             driven += distance
             motion = leg if motion is None else motion.then(leg)

@@ -92,12 +92,11 @@ def drive_leg(
     if car is None:
         motion = follow(
             robot.driven_body(),
-            robot.me.kinematics,
+            robot.kinematics,
             robot.map.boundary,
             robot.at,
             path,
             until_s=robot.options.sense_period_s,
-            saves_turns=robot.options.saves_turns,
         )
     else:
         motion = yield from car.motion_along(path)

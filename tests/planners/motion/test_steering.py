@@ -1,4 +1,5 @@
 import math
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -104,8 +105,7 @@ def test_the_longer_turn_is_taken_if_the_shorter_is_blocked():
 )
 def test_driving_backwards_saves_turns(to, turn):
     start = Configuration(5.0, 5.0, 0.0)
-    motion = steer(DISC, DRIVE, HALL, start, *to, saves_turns=True)
-    assert motion is not None
+    motion = steered(DISC, replace(DRIVE, saves_turns=True), HALL, start, *to)
     assert sum(turns(motion)) == pytest.approx(turn)
     assert motion.end == pytest.approx((*to, turn))
 

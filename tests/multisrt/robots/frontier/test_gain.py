@@ -12,7 +12,7 @@ import multisrt as ms
 from multisrt.environments.environment import Environment
 from multisrt.events import GoalChosen
 from multisrt.geometry.grids.occupancy import UNKNOWN
-from multisrt.robots.frontier.gain import areas_beyond, choose_gain, first_turns
+from multisrt.robots.frontier.gain import areas_beyond, first_turns
 from multisrt.robots.frontier.options import GainOptions
 
 CELL_M = 0.1

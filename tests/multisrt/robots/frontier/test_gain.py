@@ -11,6 +11,7 @@ import shapely
 import multisrt as ms
 from multisrt.environments.environment import Environment
 from multisrt.events import GoalChosen
+from multisrt.explain.srt import explain
 from multisrt.geometry.grids.occupancy import UNKNOWN
 from multisrt.robots.frontier.gain import areas_beyond, first_turns
 from multisrt.robots.frontier.options import GainOptions
@@ -107,9 +108,13 @@ def test_the_decisions_are_recorded_and_explained(run):
     assert taken.frontiers[target] == taken.goal
     assert area > 0.0
     assert value > 0.0
+    text = explain(run.recording, robot, taken.time_s)
+    assert "the most area to be seen for its way" in text
+    assert f"robot {robot} got frontier {target}, " in text
+    assert f": {area:.1f} m2, value {value:.3g}\n" in text
 
 
-def test_only_what_is_out_of_the_way_is_driven_backwards(run):
+def test_driving_backwards_changes_a_run(run):
     turned = explored(options={"saves_turns": False})
     assert turned.metrics.outcome == "complete"
     assert turned.recording.events != run.recording.events

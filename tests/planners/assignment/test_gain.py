@@ -16,14 +16,14 @@ def naive(costs, areas, between, range_m, power, nearest_m):
     left, taken = list(areas), []
     while True:
         able = [
-            (left[j] * (costs[i][j] + nearest_m) ** -power, -i, -j)
+            (left[j] * (costs[i][j] + nearest_m) ** -power, -costs[i][j], -i, -j)
             for i in robots
             for j in targets
             if costs[i][j] < INF and i not in [robot for robot, _ in taken]
         ]
         if not able:
             return taken
-        _, i, j = max(able)
+        *_, i, j = max(able)
         taken.append((-i, -j))
         left = [left[k] * min(1.0, between[-j][k] / range_m) for k in targets]
 
@@ -70,6 +70,14 @@ def test_a_target_near_a_taken_one_has_less_left():
 
 def test_robots_share_the_only_target():
     assert [one.choice for one in choices([[3.0], [1.0]], [5.0], [[0.0]])] == [0, 0]
+
+
+def test_robots_for_which_nothing_is_left_go_to_the_nearest():
+    # Both targets are taken by robots 0 and 1: nothing is left there. Target 1 is nearer.
+    costs = [[1.0, 9.0], [9.0, 1.0], [6.0, 5.0]]
+    chosen = choices(costs, [5.0, 5.0], [[0.0, 8.0], [8.0, 0.0]])
+    assert [one.choice for one in chosen] == [0, 1, 1]
+    assert chosen[2].rounds[-1] == (2, 1, 0.0, 0.0)
 
 
 def test_a_robot_that_reaches_nothing_has_no_choice():

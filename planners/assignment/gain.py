@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.geometry.numerics.arrays import FloatArray
+from multisrt.geometry.numerics.arrays import BoolArray, FloatArray
 from multisrt.planners.assignment.costs import check_robot, cost_table
 
 
@@ -106,7 +106,7 @@ def gain(
             raise InvalidInputError(f"{name} is {value}; it must be positive")
 
     weights = (table + nearest_m) ** -power  # 0 where there is no path
-    waiting = np.isfinite(table).any(axis=1)
+    waiting: BoolArray = np.array(np.isfinite(table).any(axis=1))
     rounds: list[tuple[int, int, float, float]] = []
     while waiting[robot]:
         values: FloatArray = np.where(waiting[:, None] & np.isfinite(table), left * weights, -1.0)

@@ -13,7 +13,8 @@ INF = np.inf
 def naive(costs, areas, between, range_m, power, nearest_m):
     # The notes of `gain` with loops: which robot takes which target, in order.
     robots, targets = range(len(costs)), range(len(areas))
-    left, taken = list(areas), []
+    left = list(areas)
+    taken: list[tuple[int, int]] = []
     while True:
         able = [
             (left[j] * (costs[i][j] + nearest_m) ** -power, -costs[i][j], -i, -j)
@@ -51,7 +52,7 @@ def test_a_large_area_is_worth_a_longer_way():
         [chosen] = choices(costs, [1.0, area], between, power=2.0)
         assert chosen.choice == expected
         value = max(1.0 / 1.5**2, area / 4.5**2)
-        assert chosen.rounds == ((0, expected, (1.0, area)[expected], pytest.approx(value)),)
+        assert chosen.rounds[0] == pytest.approx((0, expected, (1.0, area)[expected], value))
 
 
 def test_a_target_near_a_taken_one_has_less_left():
@@ -91,7 +92,7 @@ def test_a_robot_that_reaches_nothing_has_no_choice():
 @given(situations(), st.sampled_from([1.0, 2.0, 4.0]), st.sampled_from([0.5, 2.0]))
 def test_targets_are_taken_in_order_of_value(situation, power, nearest_m):
     costs, areas, between = situation
-    taken = naive(*(table.tolist() for table in (costs, areas, between)), 4.0, power, nearest_m)
+    taken = naive(costs.tolist(), areas.tolist(), between.tolist(), 4.0, power, nearest_m)
     for robot, chosen in enumerate(
         choices(costs, areas, between, power=power, nearest_m=nearest_m)
     ):

@@ -20,8 +20,8 @@ def unknown_areas(states: ByteArray, indices: IntArray, range_cells: float) -> F
     """Return the unknown area in sight of cells, where unknown cells hide nothing.
 
     Rays from the centre of a cell are followed cell width by cell width up to the first occupied
-    cell or the range; each piece that ends in an unknown cell counts by the area of its sector. Beyond
-    the grid all is unknown.
+    cell or the range; each piece whose middle is in an unknown cell counts by the area of its
+    sector. Beyond the grid all is unknown.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ def unknown_areas(states: ByteArray, indices: IntArray, range_cells: float) -> F
     """
     rows, columns = states.shape
     angle = 2.0 * math.pi / RAYS
-    steps = int(math.ceil(range_cells))
+    steps = math.ceil(range_cells)
     areas = np.zeros(indices.shape[0])
     for k in range(indices.shape[0]):
         y, x = indices[k, 0] + 0.5, indices[k, 1] + 0.5

@@ -119,7 +119,8 @@ class GoalChosen(Event, frozen=True, kw_only=True, tag="goal_chosen"):
         counted. Counting for this robot stops at the lowest number so far.
     rounds : tuple of (robot, target, utility, share)
         `utility` and `greedy`: which robot got which target, in order, with its utility and its
-        path length as a share of the longest one.
+        path length as a share of the longest one. `gain`: with the area that was left to the
+        target, in square metres, and its value in place of these.
     bids : tuple of rows
         `self-bidding`: the matrix of bids that was matched; None for infinite ones.
     phi_m : tuple of float

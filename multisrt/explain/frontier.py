@@ -177,16 +177,23 @@ class _BidStory(ChoiceStory[GoalChosen]):
 
     def _rounds(self) -> Iterator[str]:
         rounds = self.choice.rounds
-        for number, (robot, target, utility, share) in enumerate(rounds[:MAX_ROWS], 1):
+        for number, (robot, target, worth, share) in enumerate(rounds[:MAX_ROWS], 1):
             where = place(self.choice.frontiers[target])
             mark = ">" if robot == self.robot else " "
-            worth = f"utility {utility:.2f}, " if self.choice.rule == "utility" else ""
             yield (
                 f"round {number:>2}: {mark} robot {robot} got frontier {target}, {where}: "
-                f"{worth}{share:.2f} of the longest path"
+                + self._terms(worth, share)
             )
         if len(rounds) > MAX_ROWS:
             yield f"and {many(len(rounds) - MAX_ROWS, 'more round')}"
+
+    def _terms(self, worth: float, share: float) -> str:
+        match self.choice.rule:
+            case "gain":
+                return f"{worth:.1f} m2, value {share:.3g}"
+            case "utility":
+                return f"utility {worth:.2f}, {share:.2f} of the longest path"
+        return f"{share:.2f} of the longest path"
 
     def _scores(self) -> Iterator[str]:
         scores = self.choice.scores

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.geometry.numerics.arrays import FloatArray
+from multisrt.geometry.numerics.arrays import BoolArray, FloatArray
 from multisrt.planners.assignment.costs import check_robot, cost_table
 
 
@@ -72,8 +72,8 @@ def gain(
     Notes
     -----
     The value of a target j for a robot i is ``area_j / (cost_ij + nearest_m) ** power``. Robots
-    take targets in order of value, of equal ones the robot and the target of the lowest number
-    first; a target that is taken reduces the area of each other target by the factor
+    take targets in order of value, of equal ones the nearest first, then the robot and the target
+    of the lowest number; a target that is taken reduces the area of each other target by the factor
     ``min(1, d / range_m)`` with d the distance between the two.
 
     Source: the value is that of role-based exploration (de Hoog, Cameron and Visser, 2010: area
@@ -106,11 +106,13 @@ def gain(
             raise InvalidInputError(f"{name} is {value}; it must be positive")
 
     weights = (table + nearest_m) ** -power  # 0 where there is no path
-    waiting = np.isfinite(table).any(axis=1)
+    waiting: BoolArray = np.array(np.isfinite(table).any(axis=1))
     rounds: list[tuple[int, int, float, float]] = []
     while waiting[robot]:
         values: FloatArray = np.where(waiting[:, None] & np.isfinite(table), left * weights, -1.0)
-        taker, target = divmod(int(np.argmax(values)), targets)
+        # With more robots than targets nothing is left to the last: they go to the nearest.
+        lengths = np.where(values == values.max(), table, np.inf)
+        taker, target = divmod(int(np.argmin(lengths)), targets)
         rounds.append((taker, target, float(left[target]), float(values[taker, target])))
         waiting[taker] = False
         left = left * np.minimum(1.0, apart[target] / range_m)

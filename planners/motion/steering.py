@@ -110,7 +110,8 @@ def steer(
     -------
     Trajectory or None
         None if no turn and straight motion stays in the region. A differential body drives
-        forwards if it can, and backwards if it has no room to turn round.
+        forwards if it can, and backwards if it has no room to turn round; one that saves turns
+        first tries the direction for which it turns less.
 
     Examples
     --------
@@ -127,7 +128,10 @@ def steer(
     if isinstance(kinematics, Holonomic):
         passes = body.passes(boundary, start, direction, distance)
         return kinematics.drive(start, x, y) if passes else None
-    for wanted in (direction, direction + math.pi):
+    headings = [direction, direction + math.pi]
+    if kinematics.saves_turns and math.cos(direction - start.heading) < 0.0:
+        headings.reverse()
+    for wanted in headings:
         for turn in turns_between(start.heading, wanted):
             if body.can_turn(boundary, start, turn):
                 turned = kinematics.turn(start, turn)

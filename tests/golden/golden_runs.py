@@ -126,6 +126,10 @@ RUNS = {
     "utility bad radio, leader dies": _spec(
         ROOMS, "utility", *[HOLONOMIC] * 3, radio=BAD_RADIO, faults=(Death(robot=0, time_s=12.0),)
     ),
+    "gain team": _spec(APARTMENT, "gain", *[ROBOT] * 3, starts="clustered"),
+    "gain bad radio, robot dies": _spec(
+        ROOMS, "gain", *[HOLONOMIC] * 3, radio=BAD_RADIO, faults=(Death(robot=0, time_s=12.0),)
+    ),
     "self-bidding team": _spec(
         OFFICE, "self-bidding", *[ROBOT] * 3, starts="clustered", radio=SHORT_RADIO
     ),

@@ -99,7 +99,7 @@ def drive_leg(
     if car is None:
         motion = follow(
             robot.driven_body(),
-            robot.me.kinematics,
+            robot.kinematics,
             robot.map.boundary,
             robot.at,
             path,

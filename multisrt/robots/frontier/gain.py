@@ -53,11 +53,17 @@ def areas_beyond(robot: FrontierRobot, targets: FloatArray) -> FloatArray:
 
 
 def first_turns(robot: FrontierRobot, robots: tuple[int, ...], targets: FloatArray) -> FloatArray:
-    """Return by how much robots turn to face targets, ``(n, m)`` radians from 0 to pi."""
+    """Return by how much robots turn towards targets, ``(n, m)`` radians from 0 to pi.
+
+    A robot that drives backwards to save turns turns by at most a right angle. The others are taken
+    to do as this one does.
+    """
     reports = robot.team.mates.reports
     x, y, heading = np.array(
         [robot.at if n == robot.me.robot else reports[n].place for n in robots]
     ).T[:, :, None]
     turns = np.arctan2(targets[:, 1] - y, targets[:, 0] - x) - heading
     smallest: FloatArray = np.abs((turns + math.pi) % (2.0 * math.pi) - math.pi)
+    if robot.options.saves_turns:
+        smallest = np.minimum(smallest, math.pi - smallest)
     return smallest

@@ -43,6 +43,9 @@ class FrontierOptions(HomingOptions, frozen=True, kw_only=True, forbid_unknown_f
         Whether the paths that the robot drives come from a fast march, or from the exact
         Euclidean distance transform that SBX-R uses. The lengths by which goals are chosen are
         those of the fast march in either case.
+    saves_turns : bool
+        Whether a differential drive takes a leg of its path backwards where it turns less for that:
+        a range finder that sees all around shows the same either way.
     report_period_s : float
         Time after which a robot that drives reports its position, if it has reported nothing
         else, in seconds.
@@ -104,6 +107,7 @@ class FrontierOptions(HomingOptions, frozen=True, kw_only=True, forbid_unknown_f
     replan_period_s: float = 2.0
     reached: Literal["cell", "sight"] = "cell"
     paths: Literal["march", "eedt"] = "march"
+    saves_turns: bool = False
     report_period_s: float = 2.0
     lost_after_s: float = 15.0
     relay_for_s: float = 15.0
@@ -227,8 +231,11 @@ class GainOptions(BiddingOptions, frozen=True, kw_only=True, forbid_unknown_fiel
         added to the area beyond each.
     turn_m_per_rad : float
         Way in metres that a radian of the first turn counts as.
+    saves_turns : bool
+        As above.
     """
 
+    saves_turns: bool = True
     power: float = 4.0
     return_area_m2: float = 5.0
     turn_m_per_rad: float = 0.3

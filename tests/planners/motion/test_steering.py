@@ -1,4 +1,5 @@
 import math
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -88,6 +89,25 @@ def test_the_longer_turn_is_taken_if_the_shorter_is_blocked():
     wanted = math.atan2(0.1, -1.0)
     assert turns(motion) == pytest.approx([wanted - 2.0 * math.pi])
     assert motion.end == pytest.approx((4.0, 9.7, wanted))
+
+
+@pytest.mark.parametrize(
+    ("to", "turn"),
+    [
+        ((8.0, 5.0), 0.0),
+        ((2.0, 5.0), 0.0),
+        ((3.0, 3.0), 0.25 * math.pi),
+        ((3.0, 7.0), -0.25 * math.pi),
+        ((6.0, 8.0), math.atan2(3.0, 1.0)),
+        # At a right angle it turns to face the place.
+        ((5.0, 8.0), 0.5 * math.pi),
+    ],
+)
+def test_driving_backwards_saves_turns(to, turn):
+    start = Configuration(5.0, 5.0, 0.0)
+    motion = steered(DISC, replace(DRIVE, saves_turns=True), HALL, start, *to)
+    assert sum(turns(motion)) == pytest.approx(turn)
+    assert motion.end == pytest.approx((*to, turn))
 
 
 def test_places_that_cannot_be_reached_have_no_path():

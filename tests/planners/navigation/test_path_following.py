@@ -1,4 +1,5 @@
 import math
+from dataclasses import replace
 from functools import cache
 from itertools import pairwise
 
@@ -43,6 +44,17 @@ def followed(
     motion = follow(body, kinematics, ELL, at, path, limit_m=limit_m)
     assert motion is not None
     return motion
+
+
+def test_a_way_back_is_driven_backwards_to_save_turns():
+    at = Configuration(3.5, 0.5, 0.0)
+    back = np.array([[3.5, 0.5], [0.5, 0.5]])
+    turned = followed(DISC, DRIVE, at, back)
+    reversed_ = followed(DISC, replace(DRIVE, saves_turns=True), at, back)
+    assert turned.end == pytest.approx((0.5, 0.5, math.pi))
+    assert reversed_.end == pytest.approx((0.5, 0.5, 0.0))
+    saved_s = turned.duration_s - reversed_.duration_s
+    assert saved_s == pytest.approx(math.pi / DRIVE.turn_rate_rad_s)
 
 
 PATH = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 3.0]])

@@ -1,0 +1,133 @@
+"""GAIN on a robot's own map: areas, first turns, equal plans, and whole runs."""
+
+import math
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+import shapely
+
+import multisrt as ms
+from multisrt.environments.environment import Environment
+from multisrt.events import GoalChosen
+from multisrt.explain.srt import explain
+from multisrt.geometry.grids.occupancy import UNKNOWN
+from multisrt.robots.frontier.gain import areas_beyond, first_turns
+from multisrt.robots.frontier.options import GainOptions
+
+CELL_M = 0.1
+HALLS = Environment(
+    "halls",
+    shapely.union_all([shapely.box(0, 0, 8, 8), shapely.box(8, 3, 10, 5)]).union(
+        shapely.box(10, 0, 18, 8)
+    ),
+)
+
+
+def robot_at(place: tuple[float, float, float], **others: Any) -> Any:
+    """A robot, in place of a `FrontierRobot`, with what turns and areas need."""
+    return SimpleNamespace(
+        me=SimpleNamespace(robot=0, range_m=4.0),
+        at=place,
+        options=SimpleNamespace(saves_turns=others.pop("saves_turns", False)),
+        team=SimpleNamespace(mates=SimpleNamespace(reports=others.pop("reports", {}))),
+        **others,
+    )
+
+
+TARGETS = np.array([[5.0, 1.0], [-3.0, 1.0], [1.0, 4.0], [0.0, 0.0]])
+
+
+def test_first_turns_face_the_targets():
+    robot = robot_at((1.0, 1.0, 0.0))
+    found = first_turns(robot, (0,), TARGETS)
+    assert found[0] == pytest.approx([0.0, math.pi, 0.5 * math.pi, 0.75 * math.pi])
+
+
+def test_robots_that_drive_backwards_turn_by_a_right_angle_at_most():
+    robot = robot_at((1.0, 1.0, 0.0), saves_turns=True)
+    found = first_turns(robot, (0,), TARGETS)
+    assert found[0] == pytest.approx([0.0, 0.0, 0.5 * math.pi, 0.25 * math.pi])
+
+
+def test_first_turns_of_others_are_those_of_their_reports():
+    reports = {3: SimpleNamespace(place=(1.0, 0.0, -math.pi))}
+    found = first_turns(robot_at((1.0, 1.0, 0.0), reports=reports), (0, 3), TARGETS)
+    assert found.shape == (2, 4)
+    assert found[1] == pytest.approx(
+        [math.atan2(1.0, 4.0) * -1 + math.pi, math.atan2(1.0, 4.0), 0.5 * math.pi, 0.0]
+    )
+
+
+def test_areas_are_in_square_metres():
+    raster = SimpleNamespace(cell_m=CELL_M, cells=np.full((5, 5), UNKNOWN, np.uint8))
+    robot = robot_at((0.0, 0.0, 0.0), raster=raster, indices_of=lambda _: np.array([[2, 2]]))
+    assert areas_beyond(robot, np.zeros((1, 2))) == pytest.approx([math.pi * 4.0**2])
+
+
+def explored(**changes: Any) -> ms.Run:
+    given: dict[str, Any] = {"strategy": "gain", "robots": 3, "seed": 2, "starts": "clustered"}
+    return ms.explore(HALLS, **(given | changes))
+
+
+@pytest.fixture(scope="module")
+def run() -> ms.Run:
+    return explored()
+
+
+def test_a_team_explores_two_halls(run):
+    assert run.metrics.outcome == "complete"
+    assert run.metrics.coverage > 0.99
+    assert run.metrics.collisions == 0
+
+
+def test_equal_runs_are_equal(run):
+    assert explored().recording.events == run.recording.events
+
+
+def test_robots_that_know_the_same_agree(run):
+    # With an unlimited radio all know the same: at the start they decide at one moment, and each
+    # plan is the beginning of one order.
+    first = [e for e in run.recording.events if isinstance(e, GoalChosen)][:3]
+    assert {e.robot for e in first} == {0, 1, 2}
+    assert len({(e.time_s, e.frontiers) for e in first}) == 1
+    longest = max((e.rounds for e in first), key=len)
+    for choice in first:
+        rounds = [pair[:2] for pair in choice.rounds]
+        assert rounds == [pair[:2] for pair in longest][: len(rounds)]
+        assert choice.frontiers[rounds[-1][1]] == choice.goal
+
+
+def test_the_decisions_are_recorded_and_explained(run):
+    choices = [e for e in run.recording.events if isinstance(e, GoalChosen)]
+    assert {e.rule for e in choices} == {"gain"}
+    taken = next(e for e in choices if e.goal is not None and len(e.rounds) == 1)
+    robot, target, area, value = taken.rounds[-1]
+    assert robot == taken.robot
+    assert taken.frontiers[target] == taken.goal
+    assert area > 0.0
+    assert value > 0.0
+    text = explain(run.recording, robot, taken.time_s)
+    assert "the most area to be seen for its way" in text
+    assert f"robot {robot} got frontier {target}, " in text
+    assert f": {area:.1f} m2, value {value:.3g}\n" in text
+
+
+def test_driving_backwards_changes_a_run(run):
+    turned = explored(options={"saves_turns": False})
+    assert turned.metrics.outcome == "complete"
+    assert turned.recording.events != run.recording.events
+
+
+def test_robots_without_radio_explore_alone():
+    alone = explored(radio_range_m=0.0, robots=2)
+    assert alone.metrics.coverage > 0.99
+
+
+@pytest.mark.parametrize(
+    ("name", "value"), [("power", 0.0), ("return_area_m2", -1.0), ("turn_m_per_rad", math.inf)]
+)
+def test_bad_options_are_refused(name, value):
+    with pytest.raises(ms.InvalidInputError, match=f"{name} is"):
+        GainOptions(**{name: value})

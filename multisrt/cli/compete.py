@@ -16,7 +16,6 @@ if TYPE_CHECKING:
 EXAMPLES = """
 \b
 Examples:
-  git clone https://github.com/BYU-FROST-Lab/indoor-exploration-competition iec
   multisrt compete iec --maps env1 --robots 1 --draws 1
   multisrt compete iec
   multisrt compete iec --strategy minpos --maps env3,env4 --robots 2-5

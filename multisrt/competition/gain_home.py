@@ -20,8 +20,9 @@ ahead. So it drives exactly the way that it planned:
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, TypeVar, cast
 
 import numba
 import numpy as np
@@ -43,6 +44,14 @@ BORDER = 2
 
 RAYS = 90
 """Rays by which unknown area is measured: one for every 4 degrees."""
+
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+def kernel(function: F) -> F:
+    """Compile a function when it is first called, and keep it on disk."""
+    return cast(F, numba.njit(cache=True)(function))
 
 
 @dataclass(frozen=True)
@@ -279,7 +288,7 @@ def radio(options: Any) -> tuple[int, float, float]:
     return int(options.pixel_per_meter * options.comm_range) - 4, budget - 1.5, slope
 
 
-@numba.njit(cache=True)
+@kernel
 def cropped(known: Floats, corner: int) -> Grid:
     """Return the states of the scored area and a border."""
     rows, columns = known.shape[0] - 2 * corner, known.shape[1] - 2 * corner
@@ -291,7 +300,7 @@ def cropped(known: Floats, corner: int) -> Grid:
     return states
 
 
-@numba.njit(cache=True)
+@kernel
 def is_clear(known: Floats, row: int, column: int) -> bool:
     """Whether no cell around one is known to be occupied."""
     for a in range(row - 1, row + 2):
@@ -301,7 +310,7 @@ def is_clear(known: Floats, row: int, column: int) -> bool:
     return True
 
 
-@numba.njit(cache=True)
+@kernel
 def passable_cells(states: Grid) -> NDArray[np.bool_]:
     """Return the cells whose whole neighbourhood is known to be free."""
     rows, columns = states.shape
@@ -318,7 +327,7 @@ def passable_cells(states: Grid) -> NDArray[np.bool_]:
     return passable
 
 
-@numba.njit(cache=True)
+@kernel
 def field_from(passable: NDArray[np.bool_], rows: Cells, columns: Cells, queue: Cells) -> Way:
     """Return the way of every cell from the nearest of some cells; -1 where there is none."""
     height, width = passable.shape
@@ -354,7 +363,7 @@ def field_from(passable: NDArray[np.bool_], rows: Cells, columns: Cells, queue: 
     return way
 
 
-@numba.njit(cache=True)
+@kernel
 def descend(way: Way, row: int, column: int, cells: int) -> tuple[int, int]:
     """Return the cell that is some cells down a field."""
     height, width = way.shape
@@ -375,7 +384,7 @@ def descend(way: Way, row: int, column: int, cells: int) -> tuple[int, int]:
     return row, column
 
 
-@numba.njit(cache=True)
+@kernel
 def border_pieces(
     states: Grid, ways: Way, piece: int, least: int, border: int, queue: Cells
 ) -> Cells:
@@ -448,7 +457,7 @@ def border_pieces(
     return targets
 
 
-@numba.njit(cache=True)
+@kernel
 def with_walls(states: Grid, longest: int) -> Grid:
     """Return a map in which short runs of unknown cells between occupied ones are occupied.
 
@@ -477,7 +486,7 @@ def with_walls(states: Grid, longest: int) -> Grid:
     return filled
 
 
-@numba.njit(cache=True)
+@kernel
 def unknown_in_sight(states: Grid, targets: Cells, sight: float, border: int) -> Floats:
     """Return the unknown area in sight of targets in cells, where unknown cells hide nothing."""
     rows, columns = states.shape
@@ -501,7 +510,7 @@ def unknown_in_sight(states: Grid, targets: Cells, sight: float, border: int) ->
     return areas
 
 
-@numba.njit(cache=True)
+@kernel
 def zone(
     states: Grid, ways: Way, base_row: int, base_column: int, reach: int, budget: float,
     slope: float,

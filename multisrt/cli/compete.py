@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -99,7 +99,12 @@ class _Cell(click.ParamType):
     help="Start, as a cell of the only map; repeatable.  [default: drawn]",
 )
 @click.option(
-    "--draws", type=click.IntRange(1), default=4, show_default=True, help="Starts drawn on a map."
+    "--draws",
+    "number",
+    type=click.IntRange(1),
+    default=4,
+    show_default=True,
+    help="Starts drawn on a map.",
 )
 @click.option(
     "--seed", type=click.IntRange(0), default=0, show_default=True, help="Seed of the draws."
@@ -121,17 +126,11 @@ def compete(
     clone: Path,
     strategy: str | None,
     policy: Path | None,
-    maps: str | None,
-    robots: tuple[int, ...],
-    starts: tuple[tuple[int, int], ...],
-    draws: int,
-    seed: int,
-    steps: int | None,
-    workers: int,
-    out: Path | None,
     policy_out: Path | None,
+    out: Path | None,
     any_version: bool,
     quiet: bool,
+    **which: Any,
 ) -> None:
     """Run a strategy in the simulator of the public indoor exploration competition.
 
@@ -154,23 +153,26 @@ def compete(
         click.echo(f"{source.name} as a policy: {policy_out}")
         return
     found.options()
-    names = found.maps(tuple(dict.fromkeys(maps.split(","))) if maps else ())
-    jobs = planned(found, names, robots, starts, number=draws, seed=seed, steps=steps)
+    given = which["maps"].split(",") if which["maps"] else ()
+    names = found.maps(tuple(dict.fromkeys(given)))
+    plan = {name: which[name] for name in ("number", "seed", "steps")}
+    jobs = planned(found, names, which["robots"], which["starts"], **plan)
     folder = out or Path("runs") / f"compete-{source.name}"
     store = JobStore(folder, source.digest, found.digest)
     missing = [job for job in jobs if job not in store.results]
     with LiveLine(not quiet, f"compete {source.name}", counted=True) as live:
         live.update(total=len(jobs), completed=len(jobs) - len(missing))
         done = len(jobs) - len(missing)
-        for job, result in execute(clone, any_version, source, missing, workers):
+        for job, result in execute(clone, any_version, source, missing, which["workers"]):
             store.add(job, result)
             done += 1
             live.update(
-                completed=done, note=f"{job.map}, {job.robots} robots: {100 * result.coverage:.1f} %"
+                completed=done,
+                note=f"{job.map}, {job.robots} robots: {100 * result.coverage:.1f} %",
             )
     results = {job: store.results[job] for job in jobs}
     table = store.write_table(jobs)
-    _show(source.name, results, names, robots)
+    _show(source.name, results, names, which["robots"])
     if found.changed:
         click.echo(f"not the known version of the competition: {', '.join(found.changed)}")
     click.echo(f"runs: {table}")

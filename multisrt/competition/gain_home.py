@@ -11,8 +11,8 @@ ahead. So it drives exactly the way that it planned:
 - **Targets** are pieces of the borders between free and unknown cells. The value of a target is the
   unknown area in sight of it, and a constant for what it would cost to come back, over a power of
   the way. Robots take targets in order of value, as in `multisrt.planners.assignment.gain`; those
-  that are taken leave less to others near them. Each robot works this out for itself, for all robots
-  that it is in contact with.
+  that are taken leave less to others near them. Each robot works this out for itself, for all
+  robots that it is in contact with.
 - **Home** is every cell from which a link to the base holds on what is known, unknown cells counted
   as walls. Targets from which a robot could not be there in time are none.
 """
@@ -88,7 +88,7 @@ class Settings:
         For how long the target of a robot out of contact counts.
     """
 
-    power: float = 2.0
+    power: float = 1.5
     return_area: float = 400.0
     return_share: float = 2.0
     wall: int = 15
@@ -164,9 +164,7 @@ class GainHome:
             ahead = (row, column) if here else None
         return None if ahead is None else np.array(ahead, np.int64) + corner
 
-    def _ahead(
-        self, memory: Memory, obs: Any, row: int, column: int
-    ) -> tuple[int, int] | None:
+    def _ahead(self, memory: Memory, obs: Any, row: int, column: int) -> tuple[int, int] | None:
         """Return the cell a step ahead on the way; None if there is none, or it is blocked."""
         if memory.route is None:
             return None
@@ -232,7 +230,12 @@ class GainHome:
         )
 
     def _costs(
-        self, memory: Memory, obs: Any, passable: NDArray[np.bool_], ways: Way, targets: Cells,
+        self,
+        memory: Memory,
+        obs: Any,
+        passable: NDArray[np.bool_],
+        ways: Way,
+        targets: Cells,
         corner: int,
     ) -> tuple[Floats, list[int]]:
         """Return the ways of this robot, the first, and of those in contact, and their numbers."""
@@ -385,14 +388,8 @@ def descend(way: Way, row: int, column: int, cells: int) -> tuple[int, int]:
 
 
 @kernel
-def border_pieces(
-    states: Grid, ways: Way, piece: int, least: int, border: int, queue: Cells
-) -> Cells:
-    """Return a reachable cell, ``(m, 2)``, of each piece of the borders of what is unknown.
-
-    A border is a connected set of free cells beside unknown ones. It is cut into pieces as wide
-    as twice `piece`; each is given by the reachable cell nearest to the mean of its cells.
-    """
+def edge_cells(states: Grid, border: int) -> NDArray[np.bool_]:
+    """Return the free cells beside unknown ones of the scored area."""
     rows, columns = states.shape
     edge = np.zeros((rows, columns), np.bool_)
     for i in range(border, rows - border):
@@ -402,54 +399,69 @@ def border_pieces(
                     for b in range(max(border, j - 1), min(columns - border, j + 2)):
                         if states[a, b] == UNKNOWN:
                             edge[i, j] = True
+    return edge
+
+
+@kernel
+def take_part(edge: NDArray[np.bool_], first: int, part: Cells) -> int:
+    """Move the cells that are connected with one out of a mask; return how many they are."""
+    rows, columns = edge.shape
+    edge[first // columns, first % columns] = False
+    part[0] = first
+    begin, end = 0, 1
+    while begin < end:
+        i, j = part[begin] // columns, part[begin] % columns
+        begin += 1
+        for a in range(max(0, i - 1), min(rows, i + 2)):
+            for b in range(max(0, j - 1), min(columns, j + 2)):
+                if edge[a, b]:
+                    edge[a, b] = False
+                    part[end] = a * columns + b
+                    end += 1
+    return end
+
+
+@kernel
+def nearest_to_mean(ways: Way, cells: Cells) -> int:
+    """Return the reachable cell nearest to the mean of cells, within 3 of one; -1 if none is."""
+    rows, columns = ways.shape
+    mean_i, mean_j = np.mean(cells // columns), np.mean(cells % columns)
+    nearest, place = np.inf, -1
+    for cell in cells:
+        i, j = cell // columns, cell % columns
+        for a in range(max(0, i - 3), min(rows, i + 4)):
+            for b in range(max(0, j - 3), min(columns, j + 4)):
+                gap = (a - mean_i) ** 2 + (b - mean_j) ** 2
+                if ways[a, b] >= 0 and gap < nearest:
+                    nearest, place = gap, a * columns + b
+    return place
+
+
+@kernel
+def border_pieces(
+    states: Grid, ways: Way, piece: int, least: int, border: int, queue: Cells
+) -> Cells:
+    """Return a reachable cell, ``(m, 2)``, of each piece of the borders of what is unknown.
+
+    A border is a connected set of free cells beside unknown ones. It is cut into pieces as wide
+    as twice `piece`; each is given by the reachable cell nearest to the mean of its cells.
+    """
+    columns = states.shape[1]
+    edge = edge_cells(states, border)
     found = [0]
-    for i0 in range(rows):
-        for j0 in range(columns):
-            if not edge[i0, j0]:
-                continue
-            edge[i0, j0] = False
-            queue[0] = i0 * columns + j0
-            begin, end = 0, 1
-            while begin < end:
-                i, j = queue[begin] // columns, queue[begin] % columns
-                begin += 1
-                for a in range(max(0, i - 1), min(rows, i + 2)):
-                    for b in range(max(0, j - 1), min(columns, j + 2)):
-                        if edge[a, b]:
-                            edge[a, b] = False
-                            queue[end] = a * columns + b
-                            end += 1
-            if end < least:
-                continue
-            cut = np.zeros(end, np.int8)
-            for first in range(end):
-                if cut[first]:
-                    continue
-                i1, j1 = queue[first] // columns, queue[first] % columns
-                count, mean_i, mean_j = 0, 0.0, 0.0
-                for k in range(first, end):
-                    i, j = queue[k] // columns, queue[k] % columns
-                    if not cut[k] and abs(i - i1) <= piece and abs(j - j1) <= piece:
-                        cut[k] = 1
-                        count += 1
-                        mean_i += i
-                        mean_j += j
-                mean_i /= count
-                mean_j /= count
-                nearest, place = np.inf, -1
-                for k in range(first, end):
-                    if cut[k] != 1:
-                        continue
-                    cut[k] = 2
-                    i, j = queue[k] // columns, queue[k] % columns
-                    for a in range(max(0, i - 3), min(rows, i + 4)):
-                        for b in range(max(0, j - 3), min(columns, j + 4)):
-                            if ways[a, b] >= 0:
-                                gap = (a - mean_i) ** 2 + (b - mean_j) ** 2
-                                if gap < nearest:
-                                    nearest, place = gap, a * columns + b
-                if place >= 0:
-                    found.append(place)
+    for first in np.flatnonzero(edge):
+        if not edge[first // columns, first % columns]:
+            continue
+        count = take_part(edge, first, queue)
+        part = queue[:count].copy()
+        while count >= least and len(part):
+            i, j = part[0] // columns, part[0] % columns
+            near = np.abs(part // columns - i) <= piece
+            near &= np.abs(part % columns - j) <= piece
+            place = nearest_to_mean(ways, part[near])
+            if place >= 0:
+                found.append(place)
+            part = part[~near]
     targets = np.empty((len(found) - 1, 2), np.int64)
     for k in range(len(targets)):
         targets[k, 0] = found[k + 1] // columns
@@ -512,7 +524,12 @@ def unknown_in_sight(states: Grid, targets: Cells, sight: float, border: int) ->
 
 @kernel
 def zone(
-    states: Grid, ways: Way, base_row: int, base_column: int, reach: int, budget: float,
+    states: Grid,
+    ways: Way,
+    base_row: int,
+    base_column: int,
+    reach: int,
+    budget: float,
     slope: float,
 ) -> tuple[Cells, Cells]:
     """Return the reachable cells from which a link to the base holds on what is known."""
@@ -525,12 +542,12 @@ def zone(
             gap = math.sqrt((i - base_row) ** 2 + (j - base_column) ** 2)
             if gap > reach or gap < 1.0:
                 continue
-            bears = int(math.floor(budget - slope * math.log10(gap / 10.0)))
+            bears = math.floor(budget - slope * math.log10(gap / 10.0))
             count = max(abs(i - base_row), abs(j - base_column))
             walls = 0
             for k in range(count + 1):
-                a = int(math.floor(base_row + (i - base_row) * k / count + 0.5))
-                b = int(math.floor(base_column + (j - base_column) * k / count + 0.5))
+                a = math.floor(base_row + (i - base_row) * k / count + 0.5)
+                b = math.floor(base_column + (j - base_column) * k / count + 0.5)
                 if states[a, b] != FREE:
                     walls += 1
                     if walls > bears:

@@ -123,7 +123,8 @@ def makePyOMap(grid):
 
 class Robot:
     def __init__(self, id, start_pose, engine, user_policy, opts, start_delay=0):
-        self.id, self.pose, self.engine, self.user_policy = id, np.array(start_pose), engine, user_policy
+        self.id, self.pose = id, np.array(start_pose)
+        self.engine, self.user_policy = engine, user_policy
         self.opts, self.start_delay, self.heard, self.linked = opts, start_delay, {}, []
         self.pose_list = [self.pose]
 

@@ -28,7 +28,9 @@ def test_a_written_policy_needs_no_more_than_it_says(name):
         if isinstance(node, ast.Import | ast.ImportFrom)
         for alias in node.names
     }
-    third = {module for module in imported if module.partition(".")[0] not in sys.stdlib_module_names}
+    third = {
+        module for module in imported if module.partition(".")[0] not in sys.stdlib_module_names
+    }
     own = {"numpy", "numpy.typing", "numba", "base_policy"}
     assert third == (own if name == "gain-home" else {"base_policy", "multisrt.competition.rules"})
 

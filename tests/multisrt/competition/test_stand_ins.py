@@ -89,9 +89,7 @@ def test_ways_are_those_of_pyastar2d():
     for k in range(60):
         weights = rng.integers(1, 2 + 9 * (k % 2), (30, 35)).astype(np.float32)
         weights[rng.random(weights.shape) < 0.25] = np.inf
-        one, other = (
-            path(weights, (0, 0), (29, 34)) for path in (theirs.astar_path, astar_path)
-        )
+        one, other = (path(weights, (0, 0), (29, 34)) for path in (theirs.astar_path, astar_path))
         assert (one is None) == (other is None)
         assert one is None or np.array_equal(one, other)
 

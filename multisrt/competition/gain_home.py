@@ -199,7 +199,7 @@ class GainHome:
         passable[row, column] = True
         ways = field_from(passable, np.array([row]), np.array([column]), queue)
         if memory.zone is None or memory.time - memory.zone_time >= 25:
-            memory.zone = zone(states, ways, *base, *radio(options))
+            memory.zone = zone(states, ways, base, radio(options))
             memory.zone_time = memory.time
         memory.home = home = field_from(passable, *memory.zone, queue)
         memory.next_plan = memory.time + settings.every
@@ -264,10 +264,10 @@ class GainHome:
         areas = seen + np.minimum(s.return_area, s.return_share * seen) + 1.0
         if memory.target is not None:
             same = np.abs(targets - np.array(memory.target)).sum(axis=1) < s.piece
-            areas[same] *= s.keep
+            areas = np.where(same, s.keep * areas, areas)
         for number, place in memory.believed.items():
             if number not in robots and memory.time - memory.heard[number] < s.recall:
-                areas *= np.minimum(1.0, np.hypot(*(targets - np.array(place)).T) / s.apart)
+                areas = areas * np.minimum(1.0, distances(targets, place) / s.apart)
         weights = (costs + s.nearest) ** -s.power
         waiting = np.isfinite(costs).any(axis=1)
         while True:
@@ -277,8 +277,14 @@ class GainHome:
                 return target
             waiting[taker] = False
             memory.believed[robots[taker]] = int(targets[target, 0]), int(targets[target, 1])
-            gaps = np.hypot(*(targets - targets[target]).T)
+            gaps = distances(targets, targets[target])
             areas = areas * np.minimum(1.0, gaps / s.apart)
+
+
+def distances(targets: Cells, place: Any) -> Floats:
+    """Return the Euclidean distances of targets from a cell."""
+    gaps = targets - np.asarray(place)
+    return np.hypot(gaps[:, 0], gaps[:, 1])
 
 
 def radio(options: Any) -> tuple[int, float, float]:
@@ -452,7 +458,7 @@ def border_pieces(
     for first in np.flatnonzero(edge):
         if not edge[first // columns, first % columns]:
             continue
-        count = take_part(edge, first, queue)
+        count = take_part(edge, int(first), queue)
         part = queue[:count].copy()
         while count >= least and len(part):
             i, j = part[0] // columns, part[0] % columns
@@ -524,15 +530,11 @@ def unknown_in_sight(states: Grid, targets: Cells, sight: float, border: int) ->
 
 @kernel
 def zone(
-    states: Grid,
-    ways: Way,
-    base_row: int,
-    base_column: int,
-    reach: int,
-    budget: float,
-    slope: float,
+    states: Grid, ways: Way, base: tuple[int, int], link: tuple[int, float, float]
 ) -> tuple[Cells, Cells]:
     """Return the reachable cells from which a link to the base holds on what is known."""
+    base_row, base_column = base
+    reach, budget, slope = link
     rows, columns = states.shape
     found_rows, found_columns = [base_row], [base_column]
     for i in range(max(0, base_row - reach), min(rows, base_row + reach + 1)):

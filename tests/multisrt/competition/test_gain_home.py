@@ -75,8 +75,8 @@ def test_home_is_where_few_enough_walls_are_between():
     grid = np.full((41, 41), FREE, np.int8)
     grid[:, 20:23] = OCCUPIED
     ways = np.zeros(grid.shape, np.int32)
-    everywhere = set(map(tuple, np.stack(zone(grid, ways, 20, 5, 40, 8.5, 3.5), 1).tolist()))
+    everywhere = set(map(tuple, np.stack(zone(grid, ways, (20, 5), (40, 8.5, 3.5)), 1).tolist()))
     assert (20, 40) in everywhere
-    near = set(map(tuple, np.stack(zone(grid, ways, 20, 5, 40, 2.5, 3.5), 1).tolist()))
+    near = set(map(tuple, np.stack(zone(grid, ways, (20, 5), (40, 2.5, 3.5)), 1).tolist()))
     assert (20, 19) in near
     assert (20, 24) not in near

@@ -100,7 +100,7 @@ def read_numpy_array(
     >>> read_numpy_array(Path("room.npy"), resolution_m=0.5).area_m2
     5.5
     """
-    array = _mapped(path)
+    array = mapped(path)
     resolution_m = require_resolution(path, resolution_m)
     if array.dtype == np.uint8:
         _require_grey(path, array)
@@ -125,7 +125,7 @@ def read_numpy_array(
     )
 
 
-def _mapped(path: Path) -> NDArray[Any]:
+def mapped(path: Path) -> NDArray[Any]:
     """Return the array of a file, mapped into memory after its header has been checked."""
     size = require_file(path)
     try:

@@ -11,6 +11,7 @@ import click
 
 from multisrt.cli.animate import animate
 from multisrt.cli.check import check
+from multisrt.cli.compete import compete
 from multisrt.cli.completion import PROGRAM, VARIABLE, completion
 from multisrt.cli.environments import environments
 from multisrt.cli.experiment import experiment
@@ -54,6 +55,7 @@ def cli() -> None:
       multisrt export runs/office-srt-radial-0 --out office.mcap
       multisrt figure maps runs/office-srt-radial-0
       multisrt check mine.py
+      multisrt compete iec
       multisrt experiment new star.toml
       multisrt environments
       multisrt strategies
@@ -75,6 +77,7 @@ for command in (
         strategies,
         strategy,
         check,
+        compete,
         experiment,
         report,
         reproduce,

@@ -1,0 +1,111 @@
+"""Rules of the frontier family as policies of the competition.
+
+A robot's map, targets, ways and its way home are those of `gain_home`; the choice among targets is
+made by the rule of `multisrt.planners.assignment` that robots of this package use as well, with
+costs in metres of all robots in contact.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Final
+
+import numpy as np
+
+from multisrt.competition.gain_home import (
+    BORDER,
+    Cells,
+    Floats,
+    GainHome,
+    Grid,
+    Memory,
+    unknown_in_sight,
+)
+from multisrt.geometry.errors import InvalidInputError, did_you_mean
+from multisrt.planners.assignment.closest import closest
+from multisrt.planners.assignment.costs import UNASSIGNED, DenseCosts
+from multisrt.planners.assignment.gain import gain
+from multisrt.planners.assignment.greedy import greedy
+from multisrt.planners.assignment.minpos import minpos
+
+CELL_M: Final = 0.1
+RANGE_M: Final = 15.0
+RETURN_AREA_M2: Final = 4.0
+"""Area that stands for the way back to a target, as in the policy ``gain-home``."""
+
+Rule = Callable[[Floats, Floats, Floats, int], int | None]
+"""Takes costs (n, m), areas (m,), distances between targets (m, m) and the robot's row."""
+
+
+def _closest(costs: Floats, areas: Floats, between: Floats, row: int) -> int | None:
+    return closest(DenseCosts(costs), row)
+
+
+def _greedy(costs: Floats, areas: Floats, between: Floats, row: int) -> int | None:
+    chosen = int(greedy(DenseCosts(costs), until=row).assignment[row])
+    return None if chosen == UNASSIGNED else chosen
+
+
+def _minpos(costs: Floats, areas: Floats, between: Floats, row: int) -> int | None:
+    return minpos(DenseCosts(costs), row).choice
+
+
+def _gain(costs: Floats, areas: Floats, between: Floats, row: int) -> int | None:
+    return gain(costs, areas + RETURN_AREA_M2, between, row, range_m=RANGE_M).choice
+
+
+RULES: Final[dict[str, Rule]] = {
+    "closest": _closest,
+    "greedy": _greedy,
+    "minpos": _minpos,
+    "gain": _gain,
+}
+"""The rules by the names of the strategies that use them."""
+
+
+class RulePolicy(GainHome):
+    """A policy that chooses targets by a rule of this package.
+
+    Parameters
+    ----------
+    name : str
+        Name of the rule, of `RULES`.
+
+    Raises
+    ------
+    InvalidInputError
+        If there is no such rule.
+    """
+
+    def __init__(self, name: str) -> None:
+        if name not in RULES:
+            raise InvalidInputError(
+                f"no strategy of the competition is called {name!r}{did_you_mean(name, RULES)}"
+            )
+        super().__init__()
+        self._rule = RULES[name]
+
+    def choose(
+        self, memory: Memory, states: Grid, targets: Cells, costs: Floats, robots: list[int]
+    ) -> int | None:
+        """Return the target that the rule chooses for the first row of costs.
+
+        Rows are put in the order of the robots' numbers, since ties are broken by it: this robot's
+        own number is the one that is missing among those in contact.
+        """
+        own = next(n for n in range(1, len(robots) + 1) if n not in robots[1:])
+        order = np.argsort([own, *robots[1:]], kind="stable")
+        areas = unknown_in_sight(states, targets, RANGE_M / CELL_M, BORDER) * CELL_M**2
+        between = np.hypot(*(targets[:, None] - targets[None]).transpose(2, 0, 1)) * CELL_M
+        row = int(np.flatnonzero(order == 0)[0])
+        return self._rule(costs[order] * CELL_M, areas, between, row)
+
+
+def policy(name: str) -> Any:
+    """Return the class of the policy of a rule, to be made without arguments."""
+
+    class Policy(RulePolicy):
+        def __init__(self) -> None:
+            super().__init__(name)
+
+    return Policy

@@ -28,7 +28,7 @@ Exit code:
 """
 
 
-class _Numbers(click.ParamType):
+class _Numbers(click.ParamType[tuple[int, ...]]):
     """Numbers of robots: ``3``, ``1,3`` or ``2-5``."""
 
     name = "numbers"
@@ -51,7 +51,7 @@ class _Numbers(click.ParamType):
         return tuple(sorted(found))
 
 
-class _Cell(click.ParamType):
+class _Cell(click.ParamType[tuple[int, int]]):
     """A cell of a map: ``column,row``."""
 
     name = "cell"

@@ -269,7 +269,7 @@ class GainHome:
             if number not in robots and memory.time - memory.heard[number] < s.recall:
                 areas = areas * np.minimum(1.0, distances(targets, place) / s.apart)
         weights = (costs + s.nearest) ** -s.power
-        waiting = np.isfinite(costs).any(axis=1)
+        waiting: NDArray[np.bool_] = np.asarray(np.isfinite(costs).any(axis=1))
         while True:
             values = np.where(waiting[:, None], areas * weights, -1.0)
             taker, target = divmod(int(np.argmax(values)), len(targets))
@@ -284,7 +284,8 @@ class GainHome:
 def distances(targets: Cells, place: Any) -> Floats:
     """Return the Euclidean distances of targets from a cell."""
     gaps = targets - np.asarray(place)
-    return np.hypot(gaps[:, 0], gaps[:, 1])
+    apart: Floats = np.hypot(gaps[:, 0], gaps[:, 1])
+    return apart
 
 
 def radio(options: Any) -> tuple[int, float, float]:

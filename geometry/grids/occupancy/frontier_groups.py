@@ -134,9 +134,7 @@ def _release(windows: IntArray, layers: Layers) -> tuple[IntArray, IntArray]:
 
 
 @kernel
-def _group(
-    windows: IntArray, released: IntArray, layers: Layers
-) -> tuple[IntArray, IntArray]:
+def _group(windows: IntArray, released: IntArray, layers: Layers) -> tuple[IntArray, IntArray]:
     # Put together the frontier cells of some windows of the arrays, and those released. Return
     # the cells of all new groups one group after the other, as flat indices, sorted within each,
     # and where each ends.
@@ -162,9 +160,7 @@ def _group(
             for c in range(left, right):
                 if marks[r, c] & either == FRONTIER:
                     begin = count
-                    members, count = _fill(
-                        r * columns + c, either, FRONTIER, marks, members, count
-                    )
+                    members, count = _fill(r * columns + c, either, FRONTIER, marks, members, count)
                     members[begin:count].sort()
                     if groups == ends.shape[0]:
                         ends = np.concatenate((ends, np.empty_like(ends)))

@@ -1,6 +1,7 @@
 """The parts that bring news home: time, places of contact, the worth of news, and pairs."""
 
 import math
+from typing import Any
 
 import msgspec
 import numpy as np
@@ -23,7 +24,7 @@ from multisrt.spec import BaseSpec, CatalogEnvironment, RobotSpec, RunSpec
 
 
 def self_with(**changes):
-    known = {
+    known: dict[str, Any] = {
         "robot": 0,
         "start": Configuration(1.0, 1.0, 0.0),
         "footprint": Footprint.disc(0.25),

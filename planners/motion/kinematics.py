@@ -62,9 +62,6 @@ class Differential:
         Maximum speed in m/s.
     turn_rate_rad_s : float
         Maximum turn rate in rad/s.
-    saves_turns : bool
-        Whether it drives backwards where it would have to turn by more than a right angle to drive
-        forwards; otherwise only where it has no room to turn.
 
     Raises
     ------
@@ -80,7 +77,6 @@ class Differential:
 
     speed_m_s: float = 0.5
     turn_rate_rad_s: float = math.pi / 2
-    saves_turns: bool = False
 
     def __post_init__(self) -> None:
         _require_positive("speed_m_s", self.speed_m_s)

@@ -92,6 +92,8 @@ def steer(
     start: Configuration,
     x: float,
     y: float,
+    *,
+    saves_turns: bool = False,
 ) -> Trajectory | None:
     """Return the straight motion to a place inside a region.
 
@@ -105,13 +107,14 @@ def steer(
         Configuration of the body.
     x, y : float
         The place in metres.
+    saves_turns : bool
+        Whether a differential body also drives backwards where it would have to turn by more than
+        a right angle to drive forwards; otherwise only where it has no room to turn.
 
     Returns
     -------
     Trajectory or None
-        None if no turn and straight motion stays in the region. A differential body drives
-        forwards if it can, and backwards if it has no room to turn round; one that saves turns
-        first tries the direction for which it turns less.
+        None if no turn and straight motion stays in the region.
 
     Examples
     --------
@@ -129,7 +132,7 @@ def steer(
         passes = body.passes(boundary, start, direction, distance)
         return kinematics.drive(start, x, y) if passes else None
     headings = [direction, direction + math.pi]
-    if kinematics.saves_turns and math.cos(direction - start.heading) < 0.0:
+    if saves_turns and math.cos(direction - start.heading) < 0.0:
         headings.reverse()
     for wanted in headings:
         for turn in turns_between(start.heading, wanted):

@@ -63,8 +63,8 @@ def follow(
     path: FloatArray,
     *,
     limit_m: float = math.inf,
-    min_length_m: float = MIN_MOTION_M,
     until_s: float = math.inf,
+    saves_turns: bool = False,
 ) -> Trajectory | None:
     """Return the motion along the longest beginning of a path that stays in a region.
 
@@ -83,15 +83,15 @@ def follow(
         The rest of its path in metres, see `ahead`.
     limit_m : float
         Maximum length of the motion in metres.
-    min_length_m : float
-        Minimum length in metres of a motion that does not reach the end of the path.
     until_s : float
         Time in seconds up to which the motion is needed. Legs that begin later are left out.
+    saves_turns : bool
+        Whether legs are driven backwards to save turns, see `steer`.
 
     Returns
     -------
     Trajectory or None
-        None if the path ends here, or less than `min_length_m` of it is free.
+        None if the path ends here, or less than `MIN_MOTION_M` of it is free.
 
     Raises
     ------
@@ -116,33 +116,33 @@ def follow(
         )
     corners = _polyline(path)
     if len(corners) > 1 and (
-        math.dist(corners[0], at[:2]) < min_length_m
+        math.dist(corners[0], at[:2]) < MIN_MOTION_M
         or steer(body, kinematics, boundary, at, *_within(at, corners[1], limit_m)) is not None
     ):
         corners = corners[1:]
     motion: Trajectory | None = None
     driven = 0.0
     for corner in corners:
-        if motion is not None and motion.duration_s >= until_s and driven >= min_length_m:
+        if motion is not None and motion.duration_s >= until_s and driven >= MIN_MOTION_M:
             break
         here = at if motion is None else motion.end
         x, y = _within(here, corner, limit_m - driven)
         distance = math.dist((x, y), here[:2])
         if distance < SAME_CORNER_M:
             continue
-        leg = steer(body, kinematics, boundary, here, x, y)
+        leg = steer(body, kinematics, boundary, here, x, y, saves_turns=saves_turns)
         fits = leg is not None
         if leg is None:
             direction = math.atan2(y - here.y, x - here.x)
             distance = reach(body, kinematics, boundary, here, direction, distance)
             x, y = _within(here, corner, distance)
             if distance >= SAME_CORNER_M:
-                leg = steer(body, kinematics, boundary, here, x, y)
+                leg = steer(body, kinematics, boundary, here, x, y, saves_turns=saves_turns)
         if leg is not None:
             driven += distance
             motion = leg if motion is None else motion.then(leg)
         if not fits:
-            return motion if driven >= min_length_m else None
+            return motion if driven >= MIN_MOTION_M else None
     return motion
 
 

@@ -99,11 +99,12 @@ def drive_leg(
     if car is None:
         motion = follow(
             robot.driven_body(),
-            robot.kinematics,
+            robot.me.kinematics,
             robot.map.boundary,
             robot.at,
             path,
             until_s=robot.options.sense_period_s,
+            saves_turns=robot.options.saves_turns,
         )
     else:
         motion = yield from car.motion_along(path)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager
-from dataclasses import replace
 from typing import cast
 
 from multisrt.events import MapComplete
@@ -18,7 +17,7 @@ from multisrt.geometry.numerics.distances import inside
 from multisrt.geometry.numerics.kernel import FloatArray, IntArray
 from multisrt.geometry.regions.scan import Scan
 from multisrt.planners.motion.body import PlanningBody
-from multisrt.planners.motion.kinematics import Car, Differential
+from multisrt.planners.motion.kinematics import Car
 from multisrt.robots.explorer import Note, RobotSelf, Sense, Sighting, Steps
 from multisrt.robots.frontier.bodies import Bodies
 from multisrt.robots.frontier.car_driving import CarDriver
@@ -63,8 +62,6 @@ class FrontierRobot:
     body : PlanningBody
         Its body with half the margin. Paths between cells pass walls more closely than the
         centres of the cells do, so legs are driven with less of a margin than paths are planned.
-    kinematics : Kinematics
-        How it drives along paths.
     course : Course
         Its clock, where it is, and where it is going.
     map : ScanMap
@@ -95,9 +92,6 @@ class FrontierRobot:
         self.me = me
         self.options = options
         self.body = PlanningBody(me.footprint, 0.5 * options.margin_m)
-        self.kinematics = me.kinematics
-        if isinstance(self.kinematics, Differential):
-            self.kinematics = replace(self.kinematics, saves_turns=options.saves_turns)
         self._watch = watch
         self._told_complete = False
         # When a scan was last added to the map, and the last scan if it was not.

@@ -1,5 +1,4 @@
 import math
-from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -28,9 +27,11 @@ def steered(
     start: Configuration,
     x: float,
     y: float,
+    *,
+    saves_turns: bool = False,
 ) -> Trajectory:
     """Return the motion of a body to a place that it can reach."""
-    motion = steer(body, kinematics, boundary, start, x, y)
+    motion = steer(body, kinematics, boundary, start, x, y, saves_turns=saves_turns)
     assert motion is not None
     return motion
 
@@ -105,7 +106,7 @@ def test_the_longer_turn_is_taken_if_the_shorter_is_blocked():
 )
 def test_driving_backwards_saves_turns(to, turn):
     start = Configuration(5.0, 5.0, 0.0)
-    motion = steered(DISC, replace(DRIVE, saves_turns=True), HALL, start, *to)
+    motion = steered(DISC, DRIVE, HALL, start, *to, saves_turns=True)
     assert sum(turns(motion)) == pytest.approx(turn)
     assert motion.end == pytest.approx((*to, turn))
 

@@ -55,11 +55,14 @@ TEAMS: Final = {"maze": "maze1.png", "rooms": "rooms.png"}
 BODY_M: Final = 0.25
 """Radius of the default body, in metres."""
 
+MIN_BODY_M: Final = 0.1
+"""Minimum radius of a body in metres: doors of some maps are drawn closed but for a crack."""
+
 SPARE_M: Final = 0.1
 """Room on either side of a body in a passage, in metres: a cell of the raster, as frontiers that
 are narrower than the body are left out."""
 
-MIN_REACHED: Final = 2.0 / 3.0
+MIN_REACHED: Final = 0.8
 """Share of the main part that must be reached, with room to spare, by the default body. In other
 maps the body is somewhat smaller than the largest disc that reaches 95 % of it."""
 
@@ -94,7 +97,7 @@ class Subject:
         radius = BODY_M
         if self.check.reached_share < MIN_REACHED:
             largest = self.check.largest.radius_m
-            radius = max(largest - SPARE_M, 0.5 * largest)
+            radius = max(largest - SPARE_M, 0.5 * largest, MIN_BODY_M)
         return f"disc:{radius:.2g}"
 
     @property
@@ -212,10 +215,10 @@ def page(
         f"{len(subjects)} files are maps; {complete} of {len(results)} runs ended complete; "
         f"{hours:.1f} core-hours. Files without a scale were given one: that stated by their "
         f"project, else 0.05 m a pixel and 0.5 m a cell. The body is a disc with "
-        f"a radius of {BODY_M:g} m if one of {BODY_M + SPARE_M:g} m reaches two thirds of the part "
-        f"that is explored, else one that is {SPARE_M:g} m smaller than the largest that reaches "
-        "95 % of it, or half as large. The robots start where the file suggests, or close "
-        "together. Coverage is the share of the area that the bodies could see from there; "
+        f"a radius of {BODY_M:g} m if one of {BODY_M + SPARE_M:g} m reaches {MIN_REACHED:.0%} of "
+        f"the part that is explored, else one that is {SPARE_M:g} m smaller than the largest that reaches "
+        f"95 % of it, or half as large, but not less than {MIN_BODY_M:g} m. The robots start "
+        "where the file suggests, or close together. Coverage is the share of the area that the bodies could see from there; "
         "time is that until both have returned.",
         "",
         markdown_table(COLUMN_NAMES, [row(subject, made[subject.label]) for subject in subjects]),

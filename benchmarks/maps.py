@@ -214,11 +214,12 @@ def page(
         "",
         f"{len(subjects)} files are maps; {complete} of {len(results)} runs ended complete; "
         f"{hours:.1f} core-hours. Files without a scale were given one: that stated by their "
-        f"project, else 0.05 m a pixel and 0.5 m a cell. The body is a disc with "
-        f"a radius of {BODY_M:g} m if one of {BODY_M + SPARE_M:g} m reaches {MIN_REACHED:.0%} of "
-        f"the part that is explored, else one that is {SPARE_M:g} m smaller than the largest that reaches "
-        f"95 % of it, or half as large, but not less than {MIN_BODY_M:g} m. The robots start "
-        "where the file suggests, or close together. Coverage is the share of the area that the bodies could see from there; "
+        "project, else 0.05 m a pixel and 0.5 m a cell. The body is a disc with a radius of "
+        f"{BODY_M:g} m if one of {BODY_M + SPARE_M:g} m reaches {MIN_REACHED:.0%} of the part that "
+        f"is explored, else one that is {SPARE_M:g} m smaller than the largest that reaches 95 % "
+        f"of it, or half as large, but not less than {MIN_BODY_M:g} m. The robots start where the "
+        "file suggests, or close together. Coverage is the share of the area that the bodies could "
+        "see from there; "
         "time is that until both have returned.",
         "",
         markdown_table(COLUMN_NAMES, [row(subject, made[subject.label]) for subject in subjects]),

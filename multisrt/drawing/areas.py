@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import groupby
+from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 import shapely
 from shapely.geometry.base import BaseGeometry
 
 from multisrt.geometry.numerics.kernel import FloatArray
-
-Shapes = npt.NDArray[np.object_]
 
 
 def seen_first(
@@ -45,34 +42,50 @@ def seen_first(
     """
     # Differences of shapes need valid shapes with corners on the grid.
     shapes = shapely.set_precision(shapely.make_valid(np.asarray(regions, object)), grid_m)
-    new = [
-        _without_earlier(shapes, index, earlier) for index, earlier in _earlier_neighbours(shapes)
+    seen = [
+        _Seen({robot: _areal(shape)}, _areal(shape))
+        for robot, shape in zip(robots, shapes, strict=True)
     ]
-    areas: dict[int, list[FloatArray]] = {}
-    for robot in sorted(set(robots)):
-        own = [piece for piece, by in zip(new, robots, strict=True) if by == robot]
-        if rings := _rings(shapely.union_all(own, grid_size=grid_m)):
-            areas[robot] = rings
-    return areas
+    whole = _in_sequence(seen, grid_m) if seen else _Seen({}, shapely.Polygon())
+    rings = {robot: _rings(area) for robot, area in sorted(whole.first.items())}
+    return {robot: of_robot for robot, of_robot in rings.items() if of_robot}
 
 
-def _earlier_neighbours(shapes: Shapes) -> list[tuple[int, list[int]]]:
-    later, earlier = shapely.STRtree(shapes).query(shapes)
-    pairs = sorted((a, b) for a, b in zip(later.tolist(), earlier.tolist(), strict=True) if b < a)
-    found = {index: [b for _, b in group] for index, group in groupby(pairs, lambda pair: pair[0])}
-    return [(index, found.get(index, [])) for index in range(len(shapes))]
+class _Seen(NamedTuple):
+    """What was seen in a time: by each robot first, and in all."""
+
+    first: dict[int, BaseGeometry]
+    by_all: BaseGeometry
 
 
-def _without_earlier(shapes: Shapes, index: int, earlier: list[int]) -> BaseGeometry:
-    shape: BaseGeometry = shapes[index]
-    return shape.difference(shapely.union_all(shapes[earlier])) if earlier else shape
+def _in_sequence(times: list[_Seen], grid_m: float) -> _Seen:
+    # By halves, as shapes of few outlines are united and subtracted faster than many shapes.
+    if len(times) == 1:
+        return times[0]
+    middle = len(times) // 2
+    early, late = _in_sequence(times[:middle], grid_m), _in_sequence(times[middle:], grid_m)
+    first = dict(early.first)
+    for robot, area in late.first.items():
+        new = _areal(shapely.difference(area, early.by_all, grid_size=grid_m))
+        first[robot] = _united(first[robot], new, grid_m) if robot in first else new
+    return _Seen(first, _united(early.by_all, late.by_all, grid_m))
+
+
+def _united(one: BaseGeometry, other: BaseGeometry, grid_m: float) -> BaseGeometry:
+    return _areal(shapely.union(one, other, grid_size=grid_m))
+
+
+def _areal(shape: BaseGeometry) -> BaseGeometry:
+    # Without the points and lines at which shapes touch.
+    if shape.geom_type in ("Polygon", "MultiPolygon"):
+        return shape
+    return shapely.MultiPolygon([p for p in shapely.get_parts(shape) if p.geom_type == "Polygon"])
 
 
 def _rings(area: BaseGeometry) -> list[FloatArray]:
-    parts = [part for part in shapely.get_parts(area) if part.geom_type == "Polygon"]
     return [
         shapely.get_coordinates(ring)
-        for part in parts
+        for part in shapely.get_parts(area)
         for ring in (part.exterior, *part.interiors)
         if len(ring.coords)
     ]

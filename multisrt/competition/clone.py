@@ -200,7 +200,7 @@ class Clone:
         A hall of 4 m by 3 m in a building that is drawn with 5 cm a pixel:
 
         >>> _drawn(np.zeros((30, 40), bool), np.ones((30, 40), bool), 2, np.random.default_rng(3))
-        ((29, 8), (15, 9))
+        ((26, 6), (11, 21))
         """
         occupied, inside = self.cells(name)
         generator = np.random.default_rng([seed, zlib.crc32(name.encode())])

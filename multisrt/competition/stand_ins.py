@@ -282,7 +282,7 @@ def line(r0: int, c0: int, r1: int, c1: int) -> tuple[IntArray, IntArray]:
     Examples
     --------
     >>> [cells.tolist() for cells in line(0, 0, 1, 4)]
-    [[0, 0, 0, 1, 1], [0, 1, 2, 3, 4]]
+    [[0, 0, 1, 1, 1], [0, 1, 2, 3, 4]]
     """
     cells = _line_cells(int(r0), int(c0), int(r1), int(c1))
     return cells[0], cells[1]

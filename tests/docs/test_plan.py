@@ -5,7 +5,7 @@ from types import ModuleType
 import pytest
 
 ROOT = Path(__file__).parents[2]
-MAX_ROOMS = 30
+MAX_ROOMS = 31
 
 
 @pytest.fixture(scope="module")

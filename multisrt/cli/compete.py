@@ -134,9 +134,10 @@ def compete(
 ) -> None:
     """Run a strategy in the simulator of a public competition.
 
-    CLONE is a clone of the repository of the Indoor Exploration Competition (IROS 2026), which stays as it is. Each run is made as by its main.py:
-    on its maps, with its numbers of steps, and scored by its scoring.py, beside the published
-    first places. Runs that are in the folder of results are not made again.
+    CLONE is a clone of the repository of the Indoor Exploration Competition (IROS 2026), which
+    stays as it is. Each run is made as by its main.py: on its maps, with its numbers of steps,
+    and scored by its scoring.py, beside the published first places. Runs that are in the folder
+    of results are not made again.
     """
     from multisrt.competition.clone import Clone
     from multisrt.competition.jobs import JobStore

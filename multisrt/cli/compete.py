@@ -24,7 +24,7 @@ Examples:
 
 \b
 Exit code:
-  0  all runs ended   2  bad input   130  interrupted; the same command goes on
+  0  all runs ended   2  bad input   130  interrupted; it can go on
 """
 
 

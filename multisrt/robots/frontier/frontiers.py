@@ -10,7 +10,7 @@ import numpy as np
 from multisrt.geometry.grids.distance_field import DistanceField
 from multisrt.geometry.grids.occupancy import FrontierGroup, Occupancy
 from multisrt.geometry.numerics.distances import nearest_points
-from multisrt.geometry.numerics.kernel import FloatArray
+from multisrt.geometry.numerics.kernel import FloatArray, IntArray
 from multisrt.robots.frontier.fields import indices_of
 from multisrt.robots.frontier.goal import Place
 
@@ -97,15 +97,17 @@ class Frontiers:
         placed = self._placed(self.groups())
         places = np.array([place for _, place in placed]).reshape(-1, 2)
         in_reach = np.isfinite(field.distance(indices_of(self._raster, places)))
+        out_of_reach = []
         for (group, _), is_in_reach in zip(placed, in_reach.tolist(), strict=True):
             if id(group) in self._substitutes:
                 substitutes[id(group)] = self._substitutes[id(group)]
             if is_in_reach:
                 found |= id(group) in known
-                continue
-            cells = self._open_cells(group)
-            costs = field.distance(indices_of(self._raster, cells)) if len(cells) else np.empty(0)
-            cells = cells[np.isfinite(costs)]
+            else:
+                out_of_reach.append(group)
+        for group, cells in zip(
+            out_of_reach, self._cells_in_reach(out_of_reach, field), strict=True
+        ):
             if len(cells):
                 substitutes[id(group)] = group, self._most_central(group, cells)
                 found = True
@@ -200,22 +202,44 @@ class Frontiers:
         if not self._given_up:
             return place
         # Another of its cells may show what could not be seen from a place given up.
-        cells = self._open_cells(group)
+        cells, _ = self._open_cells([group])
         if not len(cells):
             return None
         if any(place == (x, y) for x, y in cells.tolist()):
             return place
         return self._most_central(group, cells)
 
-    def _open_cells(self, group: FrontierGroup) -> FloatArray:
-        """Return the centres of a group's passable cells that are not near a place given up."""
-        centres = self._raster.centres_of(group.cells)
-        cells = centres[self._raster.passable[self._raster.indices_of(group.cells)]]
-        if not self._given_up or not len(cells):
-            return cells
-        apart = nearest_points(np.array(list(self._given_up)), cells)
-        far: FloatArray = cells[apart > 0.5 * self._width_m]
-        return far
+    def _cells_in_reach(
+        self, groups: list[FrontierGroup], field: DistanceField
+    ) -> list[FloatArray]:
+        """Return the centres of each group's open cells to which there is a path."""
+        centres, owner = self._open_cells(groups)
+        costs = field.distance(indices_of(self._raster, centres)) if len(centres) else np.empty(0)
+        centres, owner = centres[np.isfinite(costs)], owner[np.isfinite(costs)]
+        begins = np.searchsorted(owner, np.arange(1, len(groups)))
+        return np.split(centres, begins) if groups else []
+
+    def _open_cells(self, groups: list[FrontierGroup]) -> tuple[FloatArray, IntArray]:
+        """Return the centres of passable cells that are not near a place given up.
+
+        Returns
+        -------
+        centres : (n, 2) array
+            Metres, group by group.
+        owner : (n,) array of int
+            The group to which each belongs.
+        """
+        if not groups:
+            return np.empty((0, 2)), np.empty(0, np.int64)
+        cells = np.concatenate([group.cells for group in groups])
+        owner = np.repeat(np.arange(len(groups)), [len(group.cells) for group in groups])
+        is_open = self._raster.passable[self._raster.indices_of(cells)]
+        centres, owner = self._raster.centres_of(cells[is_open]), owner[is_open]
+        if self._given_up and len(centres):
+            apart = nearest_points(np.array(list(self._given_up)), centres)
+            is_far = apart > 0.5 * self._width_m
+            centres, owner = centres[is_far], owner[is_far]
+        return centres, owner
 
     def _most_central(self, group: FrontierGroup, places: FloatArray) -> Place:
         """Return the place nearest to the centroid of a group."""

@@ -62,7 +62,7 @@ SPARE_M: Final = 0.1
 """Room on either side of a body in a passage, in metres: a cell of the raster, as frontiers that
 are narrower than the body are left out."""
 
-MIN_REACHED: Final = 0.8
+MIN_REACHED: Final = 2.0 / 3.0
 """Share of the main part that must be reached, with room to spare, by the default body. In other
 maps the body is somewhat smaller than the largest disc that reaches 95 % of it."""
 
@@ -215,12 +215,13 @@ def page(
         f"{len(subjects)} files are maps; {complete} of {len(results)} runs ended complete; "
         f"{hours:.1f} core-hours. Files without a scale were given one: that stated by their "
         "project, else 0.05 m a pixel and 0.5 m a cell. The body is a disc with a radius of "
-        f"{BODY_M:g} m if one of {BODY_M + SPARE_M:g} m reaches {MIN_REACHED:.0%} of the part that "
+        f"{BODY_M:g} m if one of {BODY_M + SPARE_M:g} m reaches two thirds of the part that "
         f"is explored, else one that is {SPARE_M:g} m smaller than the largest that reaches 95 % "
         f"of it, or half as large, but not less than {MIN_BODY_M:g} m. The robots start where the "
         "file suggests, or close together. Coverage is the share of the area that the bodies could "
-        "see from there; "
-        "time is that until both have returned.",
+        "see from there; robots keep off walls, and leave out passages that are hardly wider than "
+        "they are. "
+        "Time is that until both have returned.",
         "",
         markdown_table(COLUMN_NAMES, [row(subject, made[subject.label]) for subject in subjects]),
         "",

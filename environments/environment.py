@@ -20,7 +20,7 @@ from multisrt.environments.cleaning import (
     without_slivers,
 )
 from multisrt.environments.layers import Layers
-from multisrt.geometry.errors import ClearanceError, InvalidInputError, escaped, shown
+from multisrt.geometry.errors import ClearanceError, InvalidInputError, shown
 from multisrt.geometry.numerics.arrays import FloatArray
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ class Environment:
     Parameters
     ----------
     name : str
-        Name in tables and pictures; what cannot be printed of it is escaped.
+        Name in tables and pictures.
     free : Polygon or MultiPolygon
         Free space in metres, x to the right, y up; obstacles are its holes and surroundings.
     starts : sequence of (x, y), optional
@@ -99,7 +99,7 @@ class Environment:
                 "a world needs at least one area wider than 1 mm"
             )
         free_space = shapely.orient_polygons(shapely.normalize(parts))
-        self._name = escaped(name)
+        self._name = name
         self._free: MultiPolygon = free_space
         self._origin = origin
         self._layers = layers

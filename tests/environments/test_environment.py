@@ -175,7 +175,3 @@ def test_drawings_with_heights_are_read_as_flat() -> None:
 
 def test_repr_shows_name_size_and_edges() -> None:
     assert repr(Environment("hall", HALL)) == "Environment('hall', 10 x 10 m, 100 m2 free, 4 edges)"
-
-
-def test_what_cannot_be_printed_of_a_name_is_escaped():
-    assert Environment("a\u202eb\n", shapely.box(0, 0, 4, 3)).name == r"a\u202eb\n"

@@ -140,6 +140,8 @@ def main() -> None:
         }
     (given.out / "maps.svg").write_text(contact_sheet(recordings), encoding="utf-8")
     print(f"{given.out / 'maps.md'} and {given.out / 'maps.svg'} are written")
+    if len(recordings) < len(subjects):
+        print(f"the sheet has {len(recordings)} of {len(subjects)} maps: other recordings are gone")
 
 
 def read_all(folder: Path) -> tuple[list[Subject], dict[str, str]]:
@@ -220,8 +222,7 @@ def page(
         f"of it, or half as large, but not less than {MIN_BODY_M:g} m. The robots start where the "
         "file suggests, or close together. Coverage is the share of the area that the bodies could "
         "see from there; robots keep off walls, and leave out passages that are hardly wider than "
-        "they are. "
-        "Time is that until both have returned.",
+        "they are. Time is that until both have returned.",
         "",
         markdown_table(COLUMN_NAMES, [row(subject, made[subject.label]) for subject in subjects]),
         "",

@@ -28,12 +28,7 @@ from multisrt.geometry.regions.visibility import visibility_polygons
 from multisrt.spec import RunSpec
 
 MAX_STRIP_M = 0.03
-"""Upper bound of the height of the strips on which areas are measured, in metres, in worlds of up
-to 300 m a side."""
-
-LARGE_STRIP_SHARE = 1e-4
-"""The same bound in larger worlds, as a share of the side of a square of the same area: finer
-strips of a square kilometre take gigabytes."""
+"""Upper bound of the height of the strips on which areas are measured, in metres."""
 
 STRIP_SHARE = 1e-3
 """Upper bound of their height as a share of the side of a square of the same area: errors grow
@@ -186,8 +181,7 @@ def strips_of(environment: Environment, component: Polygon) -> Strips:
 
     Their heights are scaled such that the area of the component is exact.
     """
-    side_m = math.sqrt(component.area)
-    height_m = min(max(MAX_STRIP_M, LARGE_STRIP_SHARE * side_m), STRIP_SHARE * side_m)
+    height_m = min(MAX_STRIP_M, STRIP_SHARE * math.sqrt(component.area))
     cut = strips(environment.edges, height_m, _tilt_rad(environment.edges))
     runs = runs_of_polygon(cut, component)
     measured = float(((runs.end - runs.begin) * cut.heights[runs.strip]).sum())

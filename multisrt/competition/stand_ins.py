@@ -180,7 +180,7 @@ def astar_path(
         The cells of the way with both ends; None if there is none.
     """
     if allow_diagonal:
-        raise NotImplementedError("ways through the corners of cells")
+        raise NotImplementedError("paths through the corners of cells need pyastar2d: install it")
     way = cheapest_way(weights, int(start[0]), int(start[1]), int(goal[0]), int(goal[1]))
     return way if len(way) else None
 

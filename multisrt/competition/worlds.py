@@ -31,8 +31,9 @@ def competition_environment(folder: str | Path, name: str) -> Environment:
 
     Examples
     --------
-    >>> import multisrt as ms
-    >>> world = competition_environment("clone", "env3")  # doctest: +SKIP
-    >>> run = ms.explore(world, strategy="gain", robots=3)  # doctest: +SKIP
+    >>> competition_environment("elsewhere", "env3")
+    Traceback (most recent call last):
+        ...
+    multisrt.geometry.errors.InvalidInputError: elsewhere is not a clone of the competition: ...
     """
     return Clone(Path(folder), any_version=True).environment(name)

@@ -83,20 +83,17 @@ class Ways:
         """Return the length of the way home from where the robot stands, in metres."""
         if self.contact.hears(*place):
             return 0.0
-        cell = self._map.raster.passable_near(*place, NEAR_BY_CELLS)
-        if cell is None:
+        centre = self._centre_near(place)
+        if centre is None:
             return math.inf
-        centre = self._map.raster.centre_of(*cell)
         return math.dist(place, centre) + float(self.lengths(np.array([centre]))[0])
 
     def length_between(self, here: Place, there: Place) -> float:
         """Return the length of the path between two places, without regard to bodies."""
-        field = self._paths.field(*there)
-        cell = self._map.raster.passable_near(*here, NEAR_BY_CELLS)
-        if field is None or cell is None:
+        field, centre = self._paths.field(*there), self._centre_near(here)
+        if field is None or centre is None:
             return math.inf
-        centre = np.array([self._map.raster.centre_of(*cell)])
-        return float(field.distance(indices_of(self._map.raster, centre))[0])
+        return float(field.distance(indices_of(self._map.raster, np.array([centre])))[0])
 
     def goal_home(self, course: Course, *, once_more: bool) -> Goal | None:
         """Return where to go for the base station to hear the robot, around bodies.
@@ -139,25 +136,28 @@ class Ways:
         """Return the passable cell nearest to a place as a goal, around bodies."""
         raster = self._map.raster
         with self._paths.around_bodies():
-            cell, field = raster.passable_near(*place, NEAR_BY_CELLS), self._paths.own_field()
-            if cell is None or field is None:
+            centre, field = self._centre_near(place), self._paths.own_field()
+            if centre is None or field is None:
                 return None
-            x, y = raster.centre_of(*cell)
-            if not math.isfinite(field.distance(indices_of(raster, np.array([(x, y)])))[0]):
+            if not math.isfinite(field.distance(indices_of(raster, np.array([centre])))[0]):
                 return None
-            return self._paths.goal_at(field, x, y)
+            return self._paths.goal_at(field, *centre)
 
     def _end_of_way(self, here: Place) -> Place | None:
         """Return the place to which the way home leads, without regard to bodies."""
-        field = self._home_field()
-        cell = self._map.raster.passable_near(*here, NEAR_BY_CELLS)
-        if field is None or cell is None:
+        field, centre = self._home_field(), self._centre_near(here)
+        if field is None or centre is None:
             return None
-        index = indices_of(self._map.raster, np.array([self._map.raster.centre_of(*cell)]))
+        index = indices_of(self._map.raster, np.array([centre]))
         if not math.isfinite(field.distance(index)[0]):
             return None
         x, y = shortest_path(field, index[0])[0].tolist()
         return x, y
+
+    def _centre_near(self, place: Place) -> Place | None:
+        """Return the centre of the passable cell nearest to a place; None if none is near."""
+        cell = self._map.raster.passable_near(*place, NEAR_BY_CELLS)
+        return None if cell is None else self._map.raster.centre_of(*cell)
 
     def _cut(self, goal: Goal) -> Goal:
         """Return a goal whose path ends where the base station hears the robot on the way."""

@@ -146,8 +146,9 @@ def flaw_of_world(world: Environment) -> str:
         return f"free space is not valid: {shapely.is_valid_reason(world.free)}"
     if not all(world.contains(x, y) for x, y in world.starts):
         return "a suggested start is not in free space"
-    if not (f"{world.name}{world.origin}{world.cleaning}".isprintable()):
-        return f"name or origin is not printable: {world.name!r}, {world.origin!r}"
+    # A name is kept as it is given; what writes it makes it printable.
+    if not f"{world.origin}{world.cleaning}".isprintable():
+        return f"origin or cleaning is not printable: {world.origin!r}, {str(world.cleaning)!r}"
     return ""
 
 

@@ -25,7 +25,10 @@ class DistanceFields:
 
     def __init__(self, raster: Occupancy) -> None:
         self._raster = raster
+        # The fields with the revisions of the raster that they are for.
         self._kept: dict[tuple[int, int], tuple[int, DistanceField]] = {}
+        self._own: tuple[int, DistanceField] | None = None
+        self._stands: object = None
 
     def field(self, x: float, y: float) -> DistanceField | None:
         """Return the distances from the passable cell nearest to a place.
@@ -46,17 +49,42 @@ class DistanceFields:
         cell = raster.passable_near(x, y, NEAR_BY_CELLS)
         if cell is None:
             return None
-        kept = self._kept.pop(cell, None)
-        if kept is not None and kept[1].passable is raster.passable:
-            revision, field = kept
-            changed = raster.changed_since(revision)
-            if changed is not None:
-                field.repair(raster.window_of(changed))
-        else:
-            field = self.begin(raster.centre_of(*cell))
+        field = self._repaired(self._kept.pop(cell, None)) or self.begin(raster.centre_of(*cell))
         self._kept[cell] = raster.revision, field
         if len(self._kept) > MAX_FIELDS:
             self._kept.pop(next(iter(self._kept)))
+        return field
+
+    def own(self, source: Place, blocked: bytes) -> DistanceField:
+        """Return the distances from where the robot stands, exactly.
+
+        The field is kept from the second time on that it is asked for: a robot that drives on will
+        not ask again, one that stands asks with all news.
+
+        Parameters
+        ----------
+        source : (x, y)
+            The place in metres, in a passable cell.
+        blocked : bytes
+            What blocks cells of the raster for now: with other bodies the field is a new one.
+        """
+        stands = source, blocked
+        if stands != self._stands:
+            self._stands, self._own = stands, None
+            return self.begin(source)
+        field = self._repaired(self._own) or self.begin(source)
+        self._own = self._raster.revision, field
+        return field
+
+    def _repaired(self, kept: tuple[int, DistanceField] | None) -> DistanceField | None:
+        """Return a field that was kept, as the raster is now; None if there is none to repair."""
+        raster = self._raster
+        if kept is None or kept[1].passable is not raster.passable:
+            return None
+        revision, field = kept
+        changed = raster.changed_since(revision)
+        if changed is not None:
+            field.repair(raster.window_of(changed))
         return field
 
     def begin(self, source: Place) -> DistanceField:

@@ -100,7 +100,8 @@ class PathFinder:
         # From the exact place, so that a path does not begin with a turn to the cell's centre,
         # unless that path turned out not to be free, as beside a wall.
         here = cell == raster.cell_of(x, y) and not self._course.is_stuck
-        return self._fields.begin((x, y) if here else raster.centre_of(*cell))
+        source = (x, y) if here else raster.centre_of(*cell)
+        return self._fields.own(source, self._discs.tobytes())
 
     def first_cell(self) -> tuple[int, int] | None:
         """Return the cell at which the robot's paths begin; to be called in `around_bodies`.

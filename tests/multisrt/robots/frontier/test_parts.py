@@ -1,5 +1,6 @@
 """The parts of a robot, each by itself: course, map, fields, targets, bodies, mates."""
 
+import itertools
 import math
 
 import numpy as np
@@ -118,6 +119,27 @@ def test_only_the_latest_fields_are_kept():
     for k in range(MAX_FIELDS + 1):
         fields.field(2.0 + 0.1 * k, 3.0)
     assert len(fields._kept) == MAX_FIELDS
+
+
+def test_a_robot_that_stands_repairs_its_field():
+    """With the same bodies in its way; it equals a new one, to the bit."""
+    made, here = map_of((3, 3)), (3.02, 3.01)
+    raster, fields = made.raster, DistanceFields(made.raster)
+    body, no_body = np.array([[4.0, 3.0, 0.4]]), np.empty((0, 3))
+    seen = []
+    for discs, place in ((body, None), (body, (6, 3)), (body, (4, 2)), (no_body, (8, 4))):
+        if place is not None:
+            made.add(scan_at(*place))
+        with raster.blocked(discs):
+            field = fields.own(here, discs.tobytes())
+            fresh = fields.begin(here)
+            field.complete()
+            fresh.complete()
+            assert np.array_equal(field.reached(), fresh.reached())
+        seen.append(field)
+    kept = [one is other for one, other in itertools.pairwise(seen)]
+    assert kept == [False, True, False]
+    assert fields.own((3.1, 3.0), b"") is not fields.own((3.1, 3.0), b"")
 
 
 def test_there_is_no_field_far_from_all_passable_cells():

@@ -69,6 +69,9 @@ maps the body is somewhat smaller than the largest disc that reaches 95 % of it.
 PICTURE, GAP, LABEL, COLUMNS = 180, 16, 14, 7
 """Side of a picture on the sheet, gap, height of a label, and number of pictures in a row."""
 
+MAX_LABEL = 38
+"""Length in characters of a label that is as wide as a picture; of longer ones the end is shown."""
+
 COLUMN_NAMES: Final = (
     "file",
     "format",
@@ -281,7 +284,8 @@ def contact_sheet(recordings: Mapping[str, Recording]) -> str:
         x, y = GAP + number % COLUMNS * cell, GAP + number // COLUMNS * (cell + LABEL)
         place = f'x="{x}" y="{y}" width="{PICTURE}" height="{PICTURE}"'
         drawn.append(small_svg(recording, label).replace("<svg ", f"<svg {place} ", 1))
-        name = html.escape(label)
+        shown = label if len(label) <= MAX_LABEL else f"…{label[1 - MAX_LABEL :]}"
+        name = html.escape(shown)
         drawn.append(f'<text x="{x}" y="{y + PICTURE + LABEL - 3}">{name}</text>')
     return "\n".join([*drawn, "</svg>"]) + "\n"
 

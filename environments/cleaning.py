@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from shapely import GeometryType, MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
-from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.errors import InvalidInputError, counted
 from multisrt.geometry.numerics.arrays import FloatArray
 
 GeometryArray = NDArray[np.object_]
@@ -123,20 +123,20 @@ class Cleaning:
     def __str__(self) -> str:
         """Return what was changed as text on one line; empty if nothing was."""
         dropped = " and ".join(
-            _counted(number, what)
-            for number, what in (
-                (self.dropped_parts, "part of free space"),
-                (self.dropped_obstacles, "obstacle"),
+            counted(number, one, several)
+            for number, one, several in (
+                (self.dropped_parts, "part of free space", "parts of free space"),
+                (self.dropped_obstacles, "obstacle", "obstacles"),
             )
             if number
         )
         moved = f", moved by up to {_metres(self.displacement_m)}" if self.displacement_m else ""
         said = (
             (self.straightened_m, f"walls straightened within {_metres(self.straightened_m)}"),
-            (self.closed_rings, f"{_counted(self.closed_rings, 'open ring')} closed"),
+            (self.closed_rings, f"{counted(self.closed_rings, 'open ring')} closed"),
             (
                 self.repaired_polygons,
-                f"{_counted(self.repaired_polygons, 'polygon')} repaired that crossed "
+                f"{counted(self.repaired_polygons, 'polygon')} repaired that crossed "
                 f"{'itself' if self.repaired_polygons == 1 else 'themselves'} "
                 f"({_area(self.repaired_m2)} changed)",
             ),
@@ -147,15 +147,15 @@ class Cleaning:
             (dropped, f"{dropped} dropped as too small ({_area(self.dropped_m2)})"),
             (
                 self.closed_gaps,
-                f"{_counted(self.closed_gaps, 'narrow gap')} closed ({_area(self.closed_m2)})",
+                f"{counted(self.closed_gaps, 'narrow gap')} closed ({_area(self.closed_m2)})",
             ),
             (
                 self.removed_vertices,
-                f"{_counted(self.removed_vertices, 'vertex', 'vertices')} removed{moved}",
+                f"{counted(self.removed_vertices, 'vertex', 'vertices')} removed{moved}",
             ),
             (
                 self.removed_starts,
-                f"{_counted(self.removed_starts, 'suggested start')} removed as not in free space",
+                f"{counted(self.removed_starts, 'suggested start')} removed as not in free space",
             ),
         )
         return "; ".join([*self.notes, *(text for happened, text in said if happened)])
@@ -562,14 +562,6 @@ def _with_rings_turned(free: BaseGeometry) -> BaseGeometry:
             for part in polygons_of(free)
         ]
     )
-
-
-def _counted(number: int, what: str, several: str = "") -> str:
-    if number == 1:
-        return f"1 {what}"
-    if what.startswith("part "):
-        return f"{number} parts{what.removeprefix('part')}"
-    return f"{number} {several or what + 's'}"
 
 
 def _area(square_metres: float) -> str:

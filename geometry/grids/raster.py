@@ -20,7 +20,7 @@ MAX_CELLS = 400_000_000
 MAX_CELL_INDEX = 2.0**52
 """Maximum distance from the origin, in cells, at which floats distinguish neighbouring cells."""
 
-MAX_SPARE = 256
+MAX_SPARE = 512
 """Maximum number of columns, and of rows, by which a window grows beyond what it has to hold."""
 
 OFFSET_X, OFFSET_Y = 0.6947927077420251, 0.9741538717342381

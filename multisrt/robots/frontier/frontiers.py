@@ -49,7 +49,8 @@ class Frontiers:
     def targets(self) -> FloatArray:
         """Return the places to go to: one for each group where the body can stand.
 
-        Groups found unreachable are left out until they change; see `look_closer`.
+        Groups found unreachable are left out until they change, or are looked at again; see
+        `look_closer`.
 
         Returns
         -------
@@ -61,6 +62,11 @@ class Frontiers:
             cells = [group.target for group in self._reachable() if group.target is not None]
             return self._raster.centres_of(cells)
         return np.array([place for _, place in self.placed()]).reshape(-1, 2)
+
+    @property
+    def leaves_out(self) -> bool:
+        """Whether `targets` leaves out groups found unreachable: there may be a path by now."""
+        return len(self._reachable()) < len(self.groups())
 
     def recorded(self, targets: FloatArray) -> tuple[Place, ...]:
         """Return targets as a recording holds them: the same place is the same object each time."""
@@ -77,7 +83,7 @@ class Frontiers:
 
         The cells of a group need not be connected by passable cells: it may begin behind a gap
         too narrow for the body and end in the open. Groups without any target in reach are
-        unreachable until they change.
+        unreachable until they change, or this is called again.
 
         Parameters
         ----------

@@ -109,12 +109,17 @@ class WavefrontCosts:
         self._own_nearest: tuple[float, int] | None = None
 
     def _are_in_reach(self, whole: bool) -> bool:
-        """Whether the deciding robot can reach any of the targets, or with `whole` all of them."""
-        if not whole:
+        """Whether the deciding robot can reach any of the targets, or with `whole` all of them.
+
+        If some are left out, that has to be looked at again: parts of the map join as it grows.
+        """
+        if whole:
+            self._compute_row(self.row)
+            are_in_reach = bool(np.isfinite(self.costs[self.row]).all())
+        else:
             self._own_nearest = self._first(self.row, np.arange(len(self.targets)), math.inf)
-            return self._own_nearest is not None
-        self._compute_row(self.row)
-        return len(self.targets) > 0 and bool(np.isfinite(self.costs[self.row]).all())
+            are_in_reach = self._own_nearest is not None
+        return len(self.targets) > 0 and are_in_reach and not self.robot.frontiers.leaves_out
 
     @property
     def shape(self) -> tuple[int, int]:

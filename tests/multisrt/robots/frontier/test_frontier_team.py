@@ -536,6 +536,27 @@ def test_paths_begin_where_no_body_stops_the_robot(body, pocket, west, begins_in
         assert robot.path_finder.first_cell() == expected[begins_in]
 
 
+def test_a_frontier_in_a_part_of_the_map_that_was_out_of_reach_counts_once_the_parts_have_joined():
+    """Though the frontier itself has not changed since."""
+    corridor = Environment("corridor", shapely.box(0, 0, 40, 4))
+    robot = FrontierRobot(self_at(10.0, 2.0), FrontierOptions())
+
+    def see_from(x):
+        scan = take_scan(EdgeIndex(corridor.edges, 1.5), Configuration(x, 2.0), 0.0, 4.0)
+        robot.raster.add(local_safe_region(scan, "radial"))
+
+    def ends():
+        table = full_table(robot)
+        assert np.isfinite(table.costs[table.row]).all()
+        return sorted(round(x) for x, _ in table.targets.tolist())
+
+    see_from(10.0)
+    see_from(24.0)
+    assert ends() == [6, 14]
+    see_from(17.0)
+    assert ends() == [6, 28]
+
+
 def test_where_no_path_from_its_place_is_free_a_robot_sets_out_from_the_middle_of_its_cell():
     robot = robot_at([(5.03, 4.24)])
     middle = robot.raster.centre_of(*robot.raster.cell_of(*robot.at[:2]))

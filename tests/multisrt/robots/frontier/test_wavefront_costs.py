@@ -38,6 +38,7 @@ class GridRobot:
             for k, (r, c) in enumerate(others, start=1)
         ]
         self.team = SimpleNamespace(present=lambda: reports)
+        self.frontiers = SimpleNamespace(leaves_out=False)
         self.marched: list[DistanceField] = []
         self._targets = np.array([(c + 0.5, r + 0.5) for r, c in targets]).reshape(-1, 2)
 

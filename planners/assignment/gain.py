@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.geometry.numerics.arrays import BoolArray, FloatArray
+from multisrt.geometry.numerics.arrays import FloatArray
 from multisrt.planners.assignment.costs import check_robot, cost_table
 
 
@@ -23,7 +23,7 @@ class GainChoice:
         The target; None if the robot can reach none.
     rounds : tuple of (robot, target, area, value)
         The pairs in the order in which they were taken, up to the robot's own: the area that was
-        left to the target in square metres, and its value.
+        left to the target for the robot in square metres, and its value.
     """
 
     choice: int | None
@@ -71,14 +71,22 @@ def gain(
 
     Notes
     -----
-    The value of a target j for a robot i is ``area_j / (cost_ij + nearest_m) ** power``. Robots
-    take targets in order of value, of equal ones the nearest first, then the robot and the target
-    of the lowest number; a target that is taken reduces the area of each other target by the factor
-    ``min(1, d / range_m)`` with d the distance between the two.
+    The value of a target j for a robot i is ``area_j / (way_ij + nearest_m) ** power``. Pairs of a
+    robot and a target are taken in order of value, of equal ones that of the shortest way first,
+    then of the lowest numbers, until the robot that chooses has its first target. The way of a
+    robot is its cost; once it has taken a target, its way to the others leads over that one. The
+    length from one target to the next is taken as the lowest that the tables allow: the Euclidean
+    distance, or the difference of a robot's costs to the two. So a robot leaves to another what
+    that one will come by. A target that is taken reduces, for all other robots, the area of each
+    other target by the factor ``min(1, d / range_m)`` with d the distance between the two.
+
+    A robot to which the others leave nothing takes one with them: in a second round of the same
+    kind, each robot takes one target only, which may be taken again.
 
     Source: the value is that of role-based exploration (de Hoog, Cameron and Visser, 2010: area
-    over the power of the path length); differs in: robots take turns in order of value, and reduce
-    the areas near what they take, as in Burgard et al. (2005).
+    over the power of the path length); differs in: robots take turns in order of value, reduce the
+    areas near what they take, as in Burgard et al. (2005), and go on from there, as in sequential
+    single-item auctions (Lagoudakis et al., 2005).
 
     Examples
     --------
@@ -105,15 +113,51 @@ def gain(
         if not 0.0 < value < math.inf:
             raise InvalidInputError(f"{name} is {value}; it must be positive")
 
-    weights = (table + nearest_m) ** -power  # 0 where there is no path
-    waiting: BoolArray = np.array(np.isfinite(table).any(axis=1))
+    for goes_on in (True, False):
+        rounds = _taken(table, left, apart, robot, range_m, power, nearest_m, goes_on=goes_on)
+        if rounds and rounds[-1][0] == robot:
+            return GainChoice(choice=rounds[-1][1], rounds=tuple(rounds))
+    return GainChoice(choice=None, rounds=())
+
+
+def _taken(
+    costs: FloatArray,
+    areas: FloatArray,
+    apart: FloatArray,
+    robot: int,
+    range_m: float,
+    power: float,
+    nearest_m: float,
+    *,
+    goes_on: bool,
+) -> list[tuple[int, int, float, float]]:
+    """Return what is taken up to a robot's first target; of many targets by each, or of one."""
+    ways, is_open = costs.copy(), np.isfinite(costs)
+    left = np.tile(areas, (len(costs), 1))
     rounds: list[tuple[int, int, float, float]] = []
-    while waiting[robot]:
-        values: FloatArray = np.where(waiting[:, None] & np.isfinite(table), left * weights, -1.0)
-        # With more robots than targets nothing is left to the last: they go to the nearest.
-        lengths = np.where(values == values.max(), table, np.inf)
-        taker, target = divmod(int(np.argmin(lengths)), targets)
-        rounds.append((taker, target, float(left[target]), float(values[taker, target])))
-        waiting[taker] = False
-        left = left * np.minimum(1.0, apart[target] / range_m)
-    return GainChoice(choice=rounds[-1][1] if rounds else None, rounds=tuple(rounds))
+    while is_open[robot].any():
+        values: FloatArray = np.where(is_open, left * (ways + nearest_m) ** -power, -1.0)
+        # Where nothing is left they go to the nearest.
+        lengths = np.where(values == values.max(), ways, np.inf)
+        taker, target = divmod(int(np.argmin(lengths)), costs.shape[1])
+        rounds.append((taker, target, float(left[taker, target]), float(values[taker, target])))
+        if taker == robot:
+            break
+        kept = left[taker].copy()
+        left *= np.minimum(1.0, apart[target] / range_m)
+        left[taker] = kept
+        if goes_on:
+            is_open[:, target] = False
+            ways[taker] = ways[taker, target] + _onward(costs, apart, target)
+        else:
+            is_open[taker] = False
+    return rounds
+
+
+def _onward(costs: FloatArray, apart: FloatArray, target: int) -> FloatArray:
+    """Return lower bounds of the lengths from a target to all, ``(m,)`` metres."""
+    reaching = costs[np.isfinite(costs[:, target])]
+    bounds = np.abs(reaching - reaching[:, [target]])
+    bounds[np.isinf(bounds)] = 0.0
+    onward: FloatArray = np.maximum(apart[target], bounds.max(axis=0))
+    return onward

@@ -120,6 +120,59 @@ class Differential:
         """
         return _straight(start, x, y, start.heading, self.speed_m_s)
 
+    def curve(
+        self, start: Configuration, x: float, y: float, *, backwards: bool = False
+    ) -> Trajectory | None:
+        """Return the motion to a place that turns at the maximum rate, then goes straight.
+
+        The body drives at maximum speed all the way.
+
+        Parameters
+        ----------
+        start : Configuration
+            Where the motion begins.
+        x, y : float
+            The place in metres.
+        backwards : bool
+            Whether the body drives backwards.
+
+        Returns
+        -------
+        Trajectory or None
+            None if the place lies inside the circle in which the body turns towards it, or behind
+            it, so that it would turn by more than half a circle.
+
+        Examples
+        --------
+        >>> drive = Differential(speed_m_s=1.0, turn_rate_rad_s=1.0)
+        >>> motion = drive.curve(Configuration(0.0, 0.0, 0.0), 1.0, 3.0)
+        >>> [tuple(round(number, 3) for number in waypoint[1:]) for waypoint in motion.waypoints]
+        [(0.0, 0.0, 0.0), (1.0, 1.0, 1.571), (1.0, 3.0, 1.571)]
+        """
+        course = start.heading + (math.pi if backwards else 0.0)
+        c, s = math.cos(course), math.sin(course)
+        side = 1.0 if c * (y - start.y) >= s * (x - start.x) else -1.0
+        radius = self.speed_m_s / self.turn_rate_rad_s
+        centre_x, centre_y = start.x - side * radius * s, start.y + side * radius * c
+        away = math.hypot(x - centre_x, y - centre_y)
+        if away <= radius:
+            return None
+        towards = math.atan2(y - centre_y, x - centre_x) + side * math.asin(radius / away)
+        turn = side * ((side * (towards - course)) % (2.0 * math.pi))
+        if abs(turn) > math.pi:
+            return None
+        heading, turned_s = start.heading + turn, abs(turn) / self.turn_rate_rad_s
+        end_x = centre_x + side * radius * math.sin(towards)
+        end_y = centre_y - side * radius * math.cos(towards)
+        straight_s = math.hypot(x - end_x, y - end_y) / self.speed_m_s
+        return Trajectory(
+            (
+                Waypoint(0.0, *start),
+                Waypoint(turned_s, end_x, end_y, heading),
+                Waypoint(turned_s + straight_s, x, y, heading),
+            )
+        )
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Car:

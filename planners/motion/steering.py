@@ -18,6 +18,9 @@ from multisrt.planners.motion.kinematics import (
 )
 from multisrt.planners.motion.trajectory import Trajectory
 
+SAVED_S = 1e-6
+"""A curve is driven only if it saves more than this time in seconds."""
+
 
 def reach(
     body: PlanningBody,
@@ -108,8 +111,10 @@ def steer(
     x, y : float
         The place in metres.
     saves_turns : bool
-        Whether a differential body also drives backwards where it would have to turn by more than
-        a right angle to drive forwards; otherwise only where it has no room to turn.
+        Whether a differential body turns on the way where it is sooner there and there is room for
+        the curve, and also drives backwards where it would have to turn by more than a right angle
+        to drive forwards. Otherwise it turns first, and drives backwards only where it has no room
+        to turn.
 
     Returns
     -------
@@ -131,6 +136,10 @@ def steer(
     if isinstance(kinematics, Holonomic):
         passes = body.passes(boundary, start, direction, distance)
         return kinematics.drive(start, x, y) if passes else None
+    if saves_turns:
+        curve = _quickest_curve(body, kinematics, boundary, start, x, y)
+        if curve is not None:
+            return curve
     headings = [direction, direction + math.pi]
     if saves_turns and math.cos(direction - start.heading) < 0.0:
         headings.reverse()
@@ -145,6 +154,28 @@ def steer(
                     # A disc passes in no other heading either.
                     return None
     return None
+
+
+def _quickest_curve(
+    body: PlanningBody,
+    kinematics: Differential,
+    boundary: FloatArray,
+    start: Configuration,
+    x: float,
+    y: float,
+) -> Trajectory | None:
+    """Return the quickest motion in a curve; None if none stays in the region or saves time."""
+    ahead = math.atan2(y - start.y, x - start.x) - start.heading
+    turn = math.asin(min(1.0, abs(math.sin(ahead))))  # forwards or backwards
+    straight_s = math.hypot(x - start.x, y - start.y) / kinematics.speed_m_s
+    first_turned_s = straight_s + turn / kinematics.turn_rate_rad_s
+    curves = [kinematics.curve(start, x, y, backwards=backwards) for backwards in (False, True)]
+    quicker = [c for c in curves if c is not None and c.duration_s < first_turned_s - SAVED_S]
+    room = body.room(boundary, start) if quicker else None
+    if room is None:
+        return None
+    quicker.sort(key=lambda curve: curve.duration_s)
+    return next((curve for curve in quicker if room.lets_pass(curve.waypoints)), None)
 
 
 def turn_and_drive(

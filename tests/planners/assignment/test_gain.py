@@ -10,23 +10,40 @@ from multisrt.planners.assignment.gain import GainChoice, gain
 INF = np.inf
 
 
-def naive(costs, areas, between, range_m, power, nearest_m):
+def naive(costs, areas, between, range_m, power, nearest_m, goes_on):
     # The notes of `gain` with loops: which robot takes which target, in order.
     robots, targets = range(len(costs)), range(len(areas))
-    left = list(areas)
+    left = [list(areas) for _ in robots]
+    ways = [list(row) for row in costs]
     taken: list[tuple[int, int]] = []
     while True:
         able = [
-            (left[j] * (costs[i][j] + nearest_m) ** -power, -costs[i][j], -i, -j)
+            (left[i][j] * (ways[i][j] + nearest_m) ** -power, -ways[i][j], -i, -j)
             for i in robots
             for j in targets
-            if costs[i][j] < INF and i not in [robot for robot, _ in taken]
+            if costs[i][j] < INF
+            and (j not in [t for _, t in taken] if goes_on else i not in [r for r, _ in taken])
         ]
         if not able:
             return taken
         *_, i, j = max(able)
         taken.append((-i, -j))
-        left = [left[k] * min(1.0, between[-j][k] / range_m) for k in targets]
+        for other in robots:
+            if other != -i:
+                near = [min(1.0, between[-j][k] / range_m) for k in targets]
+                left[other] = [one * share for one, share in zip(left[other], near, strict=True)]
+        if goes_on:
+            onward = [
+                max(
+                    between[-j][k],
+                    *(
+                        abs(row[k] - row[-j]) if row[k] < INF and row[-j] < INF else 0.0
+                        for row in costs
+                    ),
+                )
+                for k in targets
+            ]
+            ways[-i] = [ways[-i][-j] + length for length in onward]
 
 
 @st.composite
@@ -89,18 +106,30 @@ def test_a_robot_that_reaches_nothing_has_no_choice():
     assert gain(np.empty((1, 0)), [], np.empty((0, 0)), 0, range_m=4.0).choice is None
 
 
+def test_a_robot_leaves_to_another_what_that_one_comes_by():
+    # Target 1 is 3 m behind target 0, which robot 0 takes. Robot 1 is 10 m from both, and goes 12 m
+    # to target 2: it is the last of all, and robot 0 has 19 m to go there.
+    costs = [[2.0, 5.0, 14.0], [10.0, 10.0, 12.0]]
+    between = [[0.0, 3.0, 12.0], [3.0, 0.0, 14.0], [12.0, 14.0, 0.0]]
+    first, second = choices(costs, [5.0, 5.0, 5.0], between)
+    assert (first.choice, second.choice) == (0, 2)
+    assert [pair[:2] for pair in second.rounds] == [(0, 0), (0, 1), (1, 2)]
+
+
 @given(situations(), st.sampled_from([1.0, 2.0, 4.0]), st.sampled_from([0.5, 2.0]))
 def test_targets_are_taken_in_order_of_value(situation, power, nearest_m):
     costs, areas, between = situation
-    taken = naive(costs.tolist(), areas.tolist(), between.tolist(), 4.0, power, nearest_m)
+    tables = costs.tolist(), areas.tolist(), between.tolist()
+    on, once = (naive(*tables, 4.0, power, nearest_m, goes_on=goes_on) for goes_on in (True, False))
     for robot, chosen in enumerate(
         choices(costs, areas, between, power=power, nearest_m=nearest_m)
     ):
         # All robots see the same order, up to their own turn: equal knowledge, equal plans.
-        order = [pair[:2] for pair in chosen.rounds]
-        assert order == taken[: len(order)]
-        assert chosen.choice == dict(taken).get(robot)
-        assert chosen.choice is None or order[-1] == (robot, chosen.choice)
+        taken = on if any(pair[0] == robot for pair in on) else once
+        turn = next((k for k, pair in enumerate(taken) if pair[0] == robot), None)
+        expected = [] if turn is None else taken[: turn + 1]
+        assert [pair[:2] for pair in chosen.rounds] == expected
+        assert chosen.choice == (expected[-1][1] if expected else None)
 
 
 @pytest.mark.parametrize(

@@ -7,12 +7,13 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
+from multisrt.geometry.bodies.clearance import rings_of
 from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
 from multisrt.planners.motion.body import PlanningBody
 from multisrt.planners.motion.kinematics import Differential, Holonomic
 from multisrt.planners.motion.steering import reach, steer, turn_and_drive
-from multisrt.planners.motion.trajectory import Trajectory
+from multisrt.planners.motion.trajectory import Trajectory, leg_length
 
 
 def box(width: float, height: float) -> np.ndarray:
@@ -93,22 +94,76 @@ def test_the_longer_turn_is_taken_if_the_shorter_is_blocked():
 
 
 @pytest.mark.parametrize(
-    ("to", "turn"),
+    ("to", "is_backwards"),
     [
-        ((8.0, 5.0), 0.0),
-        ((2.0, 5.0), 0.0),
-        ((3.0, 3.0), 0.25 * math.pi),
-        ((3.0, 7.0), -0.25 * math.pi),
-        ((6.0, 8.0), math.atan2(3.0, 1.0)),
+        ((8.0, 5.0), False),
+        ((2.0, 5.0), True),
+        ((3.0, 3.0), True),
+        ((3.0, 7.0), True),
+        ((6.0, 8.0), False),
+        ((4.0, 8.0), True),
         # At a right angle it turns to face the place.
-        ((5.0, 8.0), 0.5 * math.pi),
+        ((5.0, 8.0), False),
     ],
 )
-def test_driving_backwards_saves_turns(to, turn):
+def test_driving_backwards_saves_turns(to, is_backwards):
     start = Configuration(5.0, 5.0, 0.0)
     motion = steered(DISC, DRIVE, HALL, start, *to, saves_turns=True)
-    assert sum(turns(motion)) == pytest.approx(turn)
-    assert motion.end == pytest.approx((*to, turn))
+    assert motion.end[:2] == pytest.approx(to)
+    _, x, y, heading = motion.waypoints[-2]
+    ahead = math.cos(heading) * (to[0] - x) + math.sin(heading) * (to[1] - y)
+    assert (ahead < 0.0) == is_backwards
+
+
+def test_a_curve_saves_the_turn():
+    """A quarter of a circle of radius 0.5 m, and 1.5 m straight on."""
+    start = Configuration(5.0, 5.0, 0.0)
+    motion = steered(DISC, DRIVE, HALL, start, 5.5, 7.0, saves_turns=True)
+    assert [w[1:] for w in motion.waypoints] == [
+        start,
+        pytest.approx((5.5, 5.5, 0.5 * math.pi)),
+        pytest.approx((5.5, 7.0, 0.5 * math.pi)),
+    ]
+    assert motion.duration_s == pytest.approx(0.5 * math.pi + 3.0)
+
+
+def test_without_room_for_the_curve_the_body_turns_in_place():
+    cross = shapely.union_all([shapely.box(0, 4.7, 10, 5.3), shapely.box(4.7, 0, 5.3, 10)])
+    boundary = rings_of(cross)
+    start = Configuration(5.0, 5.0, 0.0)
+    motion = steered(DISC, DRIVE, boundary, start, 5.0, 8.0, saves_turns=True)
+    assert turns(motion) == pytest.approx([0.5 * math.pi])
+    assert motion.waypoints[1][1:3] == start[:2]
+
+
+coordinates = st.floats(0.5, 9.5)
+
+
+@given(
+    x=coordinates, y=coordinates, heading=st.floats(-3.0, 3.0), to_x=coordinates, to_y=coordinates
+)
+def test_motions_that_save_turns_are_no_slower_and_stay_in_the_region(x, y, heading, to_x, to_y):
+    start = Configuration(x, y, heading)
+    room = shapely.Polygon(HALL).difference(shapely.box(4.0, 4.0, 6.0, 6.0))
+    boundary = shapely.get_coordinates(shapely.Polygon(HALL).exterior)
+    with_hole = rings_of(room)
+    for region, polygon in ((boundary, shapely.Polygon(HALL)), (with_hole, room)):
+        if not polygon.buffer(-0.28).contains(shapely.Point(x, y)):
+            continue
+        plain = steer(DISC, DRIVE, region, start, to_x, to_y)
+        saving = steer(DISC, DRIVE, region, start, to_x, to_y, saves_turns=True)
+        if plain is not None:
+            assert saving is not None
+            assert saving.duration_s <= plain.duration_s + 1e-6
+        if saving is not None:
+            assert saving.start == pytest.approx(start)
+            assert saving.end[:2] == pytest.approx((to_x, to_y))
+            path = saving.points(0.01)
+            swept = shapely.LineString([*path, path[-1]]).buffer(0.25)
+            assert swept.difference(polygon).area < 1e-6
+            for a, b in pairwise(saving.waypoints):
+                assert leg_length(a, b) <= 0.5 * (b[0] - a[0]) + 1e-9
+                assert abs(b[3] - a[3]) <= 1.0 * (b[0] - a[0]) + 1e-9
 
 
 def test_places_that_cannot_be_reached_have_no_path():

@@ -1,7 +1,8 @@
 """Path following, as far as the region sensed last shows the path to be free.
 
 A path is a polyline planned on a grid. Its legs are driven straight, a differential drive turning
-in place between them, and each motion is verified exactly inside the region.
+in place between them, or in a curve where that saves time if it is to save turns. Each motion is
+verified exactly inside the region.
 """
 
 from __future__ import annotations
@@ -86,7 +87,7 @@ def follow(
     until_s : float
         Time in seconds up to which the motion is needed. Legs that begin later are left out.
     saves_turns : bool
-        Whether legs are driven backwards to save turns, see `steer`.
+        Whether legs are driven in curves or backwards to save turns, see `steer`.
 
     Returns
     -------

@@ -4,9 +4,9 @@ A strategy of this project. The value of a frontier is the area that would be se
 unknown cells free, over a power of the way there. To the area is added what stands for the way
 back to a frontier that is left behind: without it robots follow the large areas and leave scraps
 all over the map, which cost more in the end than was saved. The way counts the first turn, so that
-a robot does not turn back for a small advantage. Robots take frontiers in order of value, and those
-that are taken leave less to others near them (`planners.assignment.gain`); each robot works this
-out for itself, for all robots that it takes into account.
+a robot does not turn back for a small advantage. Robots take frontiers in order of value and go on
+from there, and those that are taken leave less to others near them (`planners.assignment.gain`);
+each robot works this out for itself, for all robots that it takes into account.
 """
 
 from __future__ import annotations

@@ -44,8 +44,9 @@ class FrontierOptions(HomingOptions, frozen=True, kw_only=True, forbid_unknown_f
         Euclidean distance transform that SBX-R uses. The lengths by which goals are chosen are
         those of the fast march in either case.
     saves_turns : bool
-        Whether a differential drive takes a leg of its path backwards where it turns less for that:
-        a range finder that sees all around shows the same either way.
+        Whether a differential drive turns on the way where there is room for the curve, and takes a
+        leg of its path backwards where it turns less for that: a range finder that sees all around
+        shows the same either way.
     report_period_s : float
         Time after which a robot that drives reports its position, if it has reported nothing
         else, in seconds.

@@ -69,7 +69,7 @@ maps the body is somewhat smaller than the largest disc that reaches 95 % of it.
 PICTURE, GAP, LABEL, COLUMNS = 180, 16, 14, 7
 """Side of a picture on the sheet, gap, height of a label, and number of pictures in a row."""
 
-MAX_LABEL = 38
+MAX_LABEL = 34
 """Length in characters of a label that is as wide as a picture; of longer ones the end is shown."""
 
 COLUMN_NAMES: Final = (
@@ -230,6 +230,12 @@ def page(
         markdown_table(COLUMN_NAMES, [row(subject, made[subject.label]) for subject in subjects]),
         "",
         *_unfinished(made),
+        "## The explorations by `srt-radial`",
+        "",
+        "Each colour is the area that one of the two robots saw first, with its path.",
+        "",
+        "![Small pictures of all maps, explored by two robots](maps.svg)",
+        "",
         "## Files that are not maps, or cannot be read",
         "",
         *(f"- `{name}`: {html.escape(why, quote=False)}" for name, why in refused.items()),

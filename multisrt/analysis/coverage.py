@@ -169,9 +169,14 @@ def coverage(proof: Evidence) -> Coverage:
         times.append(event.time_s)
     states, owners = TABLES.shape[1], label_count(robots) - 1
     plane = proof.explorable.plane.mapped([OUTSIDE, EXPLORABLE * owners], states * owners)
-    which = np.array(what, np.int64) * (robots + 2) + np.array(who, np.int64) + 1
-    history = plane.relabel(proof.runs, _tables(robots), regions, which)
-    by_state = history.reshape(-1, states, owners).sum(axis=2)
+    which = [happened * (robots + 2) + robot + 1 for happened, robot in zip(what, who, strict=True)]
+    by_state = proof.regions.relabel(
+        plane,
+        _tables(robots),
+        regions,
+        which,
+        measured=lambda areas_m2: areas_m2.reshape(-1, states, owners).sum(axis=2),
+    )
     in_the_end = plane.areas_m2.reshape(states, owners)
     return Coverage(
         explorable_m2=proof.explorable.area_m2,
@@ -242,7 +247,7 @@ def _last_claims(recording: Recording) -> list[MapComplete]:
 def known_area_m2(proof: Evidence, covered: Coverage, regions: Iterable[int]) -> float:
     """Return the area of some regions together, as far as scans showed them, in square metres."""
     plane = seen_plane(covered, 3)
-    plane.relabel(proof.runs, [[OUTSIDE, 2, 2]], list(regions))
+    proof.regions.relabel(plane, [[OUTSIDE, 2, 2]], list(regions))
     return float(plane.areas_m2[2])
 
 
@@ -270,17 +275,19 @@ def lost_areas_m2(proof: Evidence, covered: Coverage) -> tuple[float, tuple[floa
     kept, lost = 2, 3
     plane = seen_plane(covered, 4)
     survivors = [robot for robot in robots if robot not in dead]
+    known: dict[int, None] = {}  # each region once
     for robot in survivors:
-        known = [*proof.scans_of(robot), *sorted(proof.known_to(robot, math.inf))]
-        plane.relabel(proof.runs, [[OUTSIDE, kept, kept, kept]], known)
+        known.update(dict.fromkeys(proof.scans_of(robot)))
+        known.update(dict.fromkeys(sorted(proof.known_to(robot, math.inf))))
+    proof.regions.relabel(plane, [[OUTSIDE, kept, kept, kept]], list(known))
     table = [[OUTSIDE, lost, kept, lost]]
     by_robot = [0.0] * len(robots)
     for robot in dead:
         alone = plane.copy()
-        alone.relabel(proof.runs, table, proof.scans_of(robot))
+        proof.regions.relabel(alone, table, proof.scans_of(robot))
         by_robot[robot] = float(alone.areas_m2[lost])
     for robot in sorted(dead):
-        plane.relabel(proof.runs, table, proof.scans_of(robot))
+        proof.regions.relabel(plane, table, proof.scans_of(robot))
     return float(plane.areas_m2[lost]), tuple(by_robot)
 
 

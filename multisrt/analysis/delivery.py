@@ -97,7 +97,7 @@ def delivery(proof: Evidence, covered: Coverage) -> Delivery | None:
         return None
     plane = seen_plane(covered, 3)
     regions = [region for _, region in proof.delivered]
-    history = plane.relabel(proof.runs, [[OUTSIDE, DELIVERED, DELIVERED]], regions)
+    history = proof.regions.relabel(plane, [[OUTSIDE, DELIVERED, DELIVERED]], regions)
     times_s = np.array([time_s for time_s, _ in proof.delivered], np.float64)
     # No more than was covered, to rounding.
     most_m2 = np.array([covered.covered_by_m2(time_s) for time_s in times_s.tolist()])

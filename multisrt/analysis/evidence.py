@@ -16,6 +16,7 @@ import numpy as np
 
 from multisrt.analysis.explorable import Explorable
 from multisrt.analysis.scans import scanned_regions
+from multisrt.analysis.shown_regions import NOTHING, WHOLE, ShownRegions
 from multisrt.environments.environment import Environment
 from multisrt.events import (
     BaseLearned,
@@ -27,11 +28,7 @@ from multisrt.events import (
     Sensed,
     Sent,
 )
-from multisrt.geometry.grids.strips import Runs, clipped, runs_of
 from multisrt.recording import Recording
-
-WHOLE, NOTHING = -1, -2
-"""Masks of regions that count whole, and not at all; see `clipped`."""
 
 SAME_PLACE_M = 1e-6
 """Places that are at most so far apart are one, in metres."""
@@ -51,9 +48,8 @@ class Evidence:
         The run.
     explorable : Explorable
         What its team can explore.
-    runs : Runs
-        The regions on strips: first those that the scans showed, then those of nodes that are
-        others.
+    regions : ShownRegions
+        The regions: first those that the scans showed, then those of nodes that are others.
     nodes : dict of (robot, serial) to int
         The number of the region of each node.
     with_nodes : frozenset of int
@@ -69,7 +65,7 @@ class Evidence:
 
     recording: Recording
     explorable: Explorable
-    runs: Runs
+    regions: ShownRegions
     nodes: dict[NodeName, int]
     with_nodes: frozenset[int]
     knowledge: tuple[Learning, ...]
@@ -156,22 +152,17 @@ def evidence(recording: Recording, environment: Environment, what: Explorable) -
                         delivered.append((event.time_s, nodes[name]))
             case Died():
                 knowledge.append((event.time_s, event.robot, None))
-    claimed = runs_of(what.plane.cut, regions)
-    shown = clipped(claimed, np.array(masks, np.int64))
+    shown = ShownRegions(what.plane.cut, regions, masks)
     return Evidence(
         recording=recording,
         explorable=what,
-        runs=shown,
+        regions=shown,
         nodes=nodes,
         with_nodes=with_nodes,
         knowledge=tuple(knowledge),
         delivered=tuple(delivered),
-        unshown_m2=0.0 if shown is claimed else _area_m2(claimed, what) - _area_m2(shown, what),
+        unshown_m2=shown.unshown_m2(),
     )
-
-
-def _area_m2(runs: Runs, what: Explorable) -> float:
-    return float(((runs.end - runs.begin) * what.plane.cut.heights[runs.strip]).sum())
 
 
 class _Scans:

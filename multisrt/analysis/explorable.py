@@ -64,6 +64,9 @@ MIN_UNSEEN_M = 1e-6
 SAMPLE_M = 0.25
 """Distance of the points that stand for what is still unseen, in metres."""
 
+SAMPLES_AT_ONCE = 1 << 20
+"""About the number of these points that are in memory at a time, each with about 100 bytes."""
+
 EXPLORABLE = 1
 """The label of what is explorable; all else is `OUTSIDE`."""
 
@@ -209,7 +212,9 @@ def _seen_from(environment: Environment, places: _Places, range_m: float) -> Run
     # A point outside of the reachable area is seen across its border, and so from a point of the
     # border, which is nearer.
     index = EdgeIndex(environment.edges, range_m / 3.0)
-    outline = shapely.simplify(places.reachable.boundary, OUTLINE_M)
+    # Ring by ring: together they take GEOS far more time and memory.
+    rings = shapely.get_parts(places.reachable.boundary)
+    outline = shapely.simplify(rings, OUTLINE_M)
     border = shapely.get_coordinates(shapely.segmentize(outline, SPACING_M))
     taken = np.zeros(len(border), np.bool_)
     for step in COARSER:
@@ -226,15 +231,21 @@ def _near_unseen(plane: StripMap, unseen: int, viewpoints: FloatArray, range_m: 
     # Which viewpoints have anything unseen within their range.
     runs = plane.runs(unseen)
     lengths = runs.end - runs.begin
-    count = np.where(lengths > MIN_UNSEEN_M, np.ceil(lengths / SAMPLE_M) + 1, 0).astype(np.int64)
-    which = np.repeat(np.arange(len(lengths)), count)
-    if not len(which):
-        return np.zeros(len(viewpoints), np.bool_)
-    # Points from the one end of each interval to the other.
-    step = np.arange(len(which)) - np.repeat(np.cumsum(count) - count, count)
-    x = runs.begin[which] + step * (lengths[which] / (count[which] - 1))
-    y = plane.cut.middles[runs.strip[which]]
-    distance, _ = KDTree(np.column_stack([x, y])).query(
-        plane.cut.frame(viewpoints), distance_upper_bound=range_m + SAMPLE_M
-    )
-    return np.isfinite(distance)
+    intervals = np.flatnonzero(lengths > MIN_UNSEEN_M)
+    near = np.zeros(len(viewpoints), np.bool_)
+    if not len(intervals):
+        return near
+    count = np.ceil(lengths[intervals] / SAMPLE_M).astype(np.int64) + 1
+    blocks = np.flatnonzero(np.diff(np.cumsum(count) // SAMPLES_AT_ONCE)) + 1
+    at = plane.cut.frame(viewpoints)
+    for some, counts in zip(np.split(intervals, blocks), np.split(count, blocks), strict=True):
+        # Points from the one end of each interval to the other.
+        which = np.repeat(some, counts)
+        step = np.arange(len(which)) - np.repeat(np.cumsum(counts) - counts, counts)
+        x = runs.begin[which] + step * np.repeat(lengths[some] / (counts - 1), counts)
+        y = plane.cut.middles[runs.strip[which]]
+        tree = KDTree(np.column_stack([x, y]))
+        others = np.flatnonzero(~near)
+        distance, _ = tree.query(at[others], distance_upper_bound=range_m + SAMPLE_M)
+        near[others] = np.isfinite(distance)
+    return near

@@ -142,7 +142,7 @@ class _Ledger:
     def settle(self, until_s: float) -> None:
         """Bring the areas up to date, and their integrals up to a time."""
         times, regions, tables = zip(*self._news, strict=True) if self._news else ((), (), ())
-        history = self._plane.relabel(self._proof.runs, self._tables, regions, tables)
+        history = self._proof.regions.relabel(self._plane, self._tables, regions, tables)
         alone = np.vstack([self.alone_m2, np.maximum(0.0, of_one(history))])
         spans = np.diff([self._settled_s, *times, until_s])
         self.integral_m2s += spans @ alone

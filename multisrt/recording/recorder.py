@@ -7,7 +7,10 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import IO
 
-from multisrt.events import AnyEvent
+import msgspec
+
+from multisrt.events import AnyEvent, GoalChosen, Learned, NodeName
+from multisrt.events.event import Point
 from multisrt.recording.lines import ENCODER, Footer, Header, RunOutcome
 from multisrt.recording.recording import Recording
 
@@ -28,6 +31,8 @@ class Recorder:
     file: IO[bytes] | None = None
     events: list[AnyEvent] = field(default_factory=list)
     _digest: hashlib._Hash = field(default_factory=hashlib.sha256)
+    _places: dict[Point, Point] = field(default_factory=dict)
+    _names: dict[tuple[NodeName, ...], tuple[NodeName, ...]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self._write(ENCODER.encode(self.header))
@@ -36,6 +41,7 @@ class Recorder:
 
     def record(self, event: AnyEvent) -> None:
         """Record an event."""
+        event = self._compact(event)
         line = ENCODER.encode(event)
         self._digest.update(line + b"\n")
         self.events.append(event)
@@ -83,6 +89,19 @@ class Recorder:
             digest=digest.hexdigest(),
         )
         return Recording(header=self.header, events=tuple(events), footer=footer)
+
+    def _compact(self, event: AnyEvent) -> AnyEvent:
+        # A recording of a large team holds millions of places and of names of nodes, but few
+        # different ones: equal ones become one object.
+        match event:
+            case GoalChosen():
+                places, own = self._places, event.frontiers
+                frontiers = tuple([places.setdefault(place, place) for place in own])
+                return msgspec.structs.replace(event, frontiers=frontiers)
+            case Learned():
+                nodes = self._names.setdefault(event.nodes, event.nodes)
+                return msgspec.structs.replace(event, nodes=nodes)
+        return event
 
     def _write(self, line: bytes) -> None:
         if self.file is not None:

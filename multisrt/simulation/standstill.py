@@ -52,7 +52,9 @@ class Standstill:
         self._max_idle_s = max_idle_s
         self._since_s = max((_last_s(fault) for fault in faults), default=0.0)
         self._scanned_at: dict[int, Pose] = {}
-        self._known: dict[int, set[NodeName]] = {}
+        # Nodes are numbered as they are learned of; for each robot whether it knows each of them.
+        self._numbers: dict[NodeName, int] = {}
+        self._known: dict[int, bytearray] = {}
         self._ended: set[int] = set()
         self._blocked_by: dict[int, int] = {}
 
@@ -112,15 +114,23 @@ class Standstill:
                 self._scanned_at[event.robot] = event.configuration
                 return before is None or _differ(before, event.configuration)
             case Learned():
-                known = self._known.setdefault(event.robot, set())
-                count = len(known)
-                known.update(event.nodes)
-                return len(known) > count
+                return self._learns(event)
             case Ended():
                 is_first = event.robot not in self._ended
                 self._ended.add(event.robot)
                 return is_first
         return isinstance(event, NodeAdded | BaseLearned | Joined | Died | FellSilent | CameBack)
+
+    def _learns(self, event: Learned) -> bool:
+        # Each robot of a large team learns of nearly all nodes: a byte for each, not a set.
+        known, is_new = self._known.setdefault(event.robot, bytearray()), False
+        for name in event.nodes:
+            number = self._numbers.setdefault(name, len(self._numbers))
+            if number >= len(known):
+                known.extend(bytes(len(self._numbers) - len(known)))
+            is_new |= not known[number]
+            known[number] = 1
+        return is_new
 
 
 DOING = {"off": "is switched off", "done": "is done", "dead": "is dead"}

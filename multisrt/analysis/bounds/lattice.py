@@ -32,6 +32,7 @@ narrow, slanted or slitted it is.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final, NamedTuple
 
@@ -196,20 +197,25 @@ class Lattice:
         >>> Lattice.over(square, 1.0).areas(square)[1].tolist()
         [0.0, 0.25, 0.25, 0.0]
         """
-        edges = edges_of(area) - np.array([self.x0, self.y0, self.x0, self.y0])
-        edges /= self.cell_m
-        shares = _shares_by_cell(edges, self.rows, self.columns)
+        shares = np.zeros((self.rows, self.columns + 1))
+        for ring in _rings_of(area):
+            _add_shares((ring - np.array([self.x0, self.y0])) / self.cell_m, shares)
         areas: FloatArray = np.clip(np.cumsum(shares, axis=1), 0.0, 1.0) * self.cell_m**2
         return areas[:, :-1]
 
 
 def edges_of(area: BaseGeometry) -> FloatArray:
     """Return the edges x0, y0, x1, y1 in metres of polygons, the polygons on their left."""
-    parts = shapely.get_parts(shapely.orient_polygons(area))
-    rings = [ring for part in parts for ring in (part.exterior, *part.interiors)]
-    corners = [shapely.get_coordinates(ring) for ring in rings]
-    edges: FloatArray = np.vstack([np.hstack([ring[:-1], ring[1:]]) for ring in corners])
+    edges: FloatArray = np.vstack([np.hstack([ring[:-1], ring[1:]]) for ring in _rings_of(area)])
     return edges
+
+
+def _rings_of(area: BaseGeometry) -> Iterator[FloatArray]:
+    # The corners of each ring of polygons, closed, the polygons on its left.
+    for part in shapely.get_parts(shapely.orient_polygons(area)):
+        yield shapely.get_coordinates(part.exterior)
+        for ring in part.interiors:
+            yield shapely.get_coordinates(ring)
 
 
 class ShortestPaths:
@@ -338,14 +344,14 @@ def _mark_border(corners: FloatArray, x0: float, y0: float, cell: float, cells: 
 
 
 @kernel
-def _shares_by_cell(edges: FloatArray, rows: int, columns: int) -> FloatArray:
-    # What the edges of polygons contribute to the shares of cells that lie in them: the share of
-    # a cell is the sum over its row up to it (Green's theorem). A piece of an edge within one
-    # cell has all of its height to its left or right: the part of its cell to its right, and all
-    # cells further on. Lengths are in widths of a cell.
-    shares = np.zeros((rows, columns + 1))
-    for k in range(edges.shape[0]):
-        ax, ay, bx, by = edges[k]
+def _add_shares(ring: FloatArray, shares: FloatArray) -> None:
+    # Adds what a closed ring of a polygon contributes to the shares of cells that lie in it: the
+    # share of a cell is the sum over its row up to it (Green's theorem). A piece of an edge within
+    # one cell has all of its height to its left or right: the part of its cell to its right, and
+    # all cells further on. Lengths are in widths of a cell; the last column is beyond all cells.
+    rows, columns = shares.shape[0], shares.shape[1] - 1
+    for k in range(ring.shape[0] - 1):
+        (ax, ay), (bx, by) = ring[k], ring[k + 1]
         if ay == by:
             continue
         slope = (bx - ax) / (by - ay)
@@ -365,7 +371,6 @@ def _shares_by_cell(edges: FloatArray, rows: int, columns: int) -> FloatArray:
                 beside = 0.5 * (u0 + u1) - column
                 shares[row, column] += height * (1.0 - beside)
                 shares[row, column + 1] += height * beside
-    return shares
 
 
 @kernel

@@ -316,7 +316,7 @@ def chosen(
         because=because,
         goal=goal,
         cost_m=cost_m,
-        frontiers=robot.frontiers.recorded(robot.targets()),
+        frontiers=tuple([(x, y) for x, y in robot.targets().tolist()]),
         robots=tuple(sorted([robot.me.robot, *mates])),
         scores=scores,
     )

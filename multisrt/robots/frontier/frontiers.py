@@ -40,7 +40,6 @@ class Frontiers:
         self._unreachable: dict[int, FrontierGroup] = {}
         self._substitutes: dict[int, tuple[FrontierGroup, Place]] = {}
         self._seen_in_vain: dict[Place, None] = {}
-        self._recorded: dict[Place, Place] = {}
 
     def groups(self) -> list[FrontierGroup]:
         """Return the groups of frontier cells that are long enough."""
@@ -67,12 +66,6 @@ class Frontiers:
     def leaves_out(self) -> bool:
         """Whether `targets` leaves out groups found unreachable: there may be a path by now."""
         return len(self._reachable()) < len(self.groups())
-
-    def recorded(self, targets: FloatArray) -> tuple[Place, ...]:
-        """Return targets as a recording holds them: the same place is the same object each time."""
-        # A recording of a large team holds millions of places, but few different ones.
-        places: list[Place] = [(x, y) for x, y in targets.tolist()]
-        return tuple([self._recorded.setdefault(place, place) for place in places])
 
     def placed(self) -> list[tuple[FrontierGroup, Place]]:
         """Return the groups of `targets`, each with the place to go to."""

@@ -115,7 +115,7 @@ def note_goal(
             because=because,
             goal=None if goal is None else goal.place,
             cost_m=0.0 if goal is None else goal.cost_m,
-            frontiers=robot.frontiers.recorded(table.targets),
+            frontiers=tuple([(x, y) for x, y in table.targets.tolist()]),
             robots=table.robots,
             costs=finite_or_none(table.costs),
             **details,

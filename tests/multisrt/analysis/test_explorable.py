@@ -4,6 +4,7 @@ import shapely
 from shapely import affinity
 from shapely.geometry.base import BaseGeometry
 
+from multisrt.analysis import explorable as explorable_module
 from multisrt.analysis.explorable import (
     EXPLORABLE,
     TILTS_RAD,
@@ -151,6 +152,21 @@ def of_team(world: BaseGeometry, *team: tuple[Footprint, float, float, float]) -
         Environment("world", world),
         tuple((body, range_m, Configuration(x, y, 0.0)) for body, range_m, x, y in team),
     )
+
+
+def test_unseen_points_are_looked_at_in_blocks(monkeypatch):
+    pillars = shapely.union_all([shapely.box(x, y, x + 2, y + 2) for x in (2, 7) for y in (2, 8)])
+    hall = shapely.box(0, 0, 12, 12) - pillars
+    at_once = what(hall, range_m=3.0)
+    monkeypatch.setattr(explorable_module, "SAMPLES_AT_ONCE", 50)
+    for cached in (explorable_module._explorable_from, explorable_module._seen_from):
+        cached.cache_clear()
+    in_blocks = what(hall, range_m=3.0)
+    assert in_blocks is not at_once
+    for found, expected in zip(
+        in_blocks.plane.runs(EXPLORABLE), at_once.plane.runs(EXPLORABLE), strict=True
+    ):
+        np.testing.assert_array_equal(found, expected)
 
 
 def test_a_team_can_explore_what_any_of_its_robots_can():

@@ -10,9 +10,10 @@ import shapely
 
 from multisrt.analysis.measuring import measure
 from multisrt.environments.environment import Environment
-from multisrt.events import Died, Ended, Motion, NodeAdded
+from multisrt.events import Died, Ended, GoalChosen, Learned, Motion, NodeAdded
+from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.recording import FORMAT, Header, Recording, atomic_write
+from multisrt.recording import FORMAT, Header, Recorder, Recording, atomic_write, header_of
 from multisrt.recording.lines import WITHOUT_BASE
 from multisrt.simulation.simulate import simulate
 from multisrt.simulation.worlds import inline
@@ -107,6 +108,26 @@ def test_a_recording_is_written_as_the_run_goes(tmp_path, recording):
     simulate(SPEC, WORLD, path=path, watch=watch)
     assert os.listdir(tmp_path) == ["run.jsonl"]
     assert Recording.load(path).events == tuple(seen) == recording.events
+
+
+def test_equal_places_and_names_are_held_once():
+    # Tuples of values that are not known when the test is compiled are different objects.
+    def goal(robot: int) -> GoalChosen:
+        frontiers = tuple((float(x), 2.0) for x in range(3 + robot))
+        return GoalChosen(time_s=1.0, robot=robot, rule="r", because="b", goal=None,
+                          frontiers=frontiers)  # fmt: skip
+
+    def learned(robot: int) -> Learned:
+        return Learned(time_s=2.0, robot=robot, nodes=tuple((n, 7) for n in range(2)))
+
+    recorder = Recorder(header_of(SPEC, WORLD, (Configuration(1.0, 1.0),)))
+    said = [goal(0), goal(1), learned(0), learned(1)]
+    for event in said:
+        recorder.record(event)
+    first, second, one, other = recorder.events
+    assert recorder.events == said
+    assert all(a is b for a, b in zip(first.frontiers, second.frontiers, strict=False))
+    assert one.nodes is other.nodes
 
 
 def test_a_run_that_fails_leaves_nothing(tmp_path):

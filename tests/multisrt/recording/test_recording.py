@@ -10,7 +10,7 @@ import shapely
 
 from multisrt.analysis.measuring import measure
 from multisrt.environments.environment import Environment
-from multisrt.events import Died, Ended, GoalChosen, Learned, Motion, NodeAdded
+from multisrt.events import AnyEvent, Died, Ended, GoalChosen, Learned, Motion, NodeAdded
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.recording import FORMAT, Header, Recorder, Recording, atomic_write, header_of
@@ -121,7 +121,7 @@ def test_equal_places_and_names_are_held_once():
         return Learned(time_s=2.0, robot=robot, nodes=tuple((n, 7) for n in range(2)))
 
     recorder = Recorder(header_of(SPEC, WORLD, (Configuration(1.0, 1.0),)))
-    said = [goal(0), goal(1), learned(0), learned(1)]
+    said: list[AnyEvent] = [goal(0), goal(1), learned(0), learned(1)]
     for event in said:
         recorder.record(event)
     assert recorder.events == said

@@ -107,10 +107,10 @@ def test_closest_chooses_as_on_the_full_table(situation):
 @given(situations())
 def test_minpos_chooses_as_on_the_full_table(situation):
     table = full_table(grid_robot(*situation))
-    # Marching from either end differs by rounding, so that near ties may be decided otherwise.
+    # Marching from either end differs by up to a cell, so that near ties may be decided otherwise.
     columns = np.sort(table.costs, axis=0)
     with np.errstate(invalid="ignore"):
-        assume(not (np.diff(columns, axis=0) < 0.5).any())
+        assume(not (np.diff(columns, axis=0) < 1.0).any())
     assume(not has_ties(table.costs))
     lazy = WavefrontCosts(grid_robot(*situation))
     assert minpos(lazy, 0).choice == minpos(DenseCosts(table.costs), 0).choice

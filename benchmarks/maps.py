@@ -232,7 +232,8 @@ def page(
         *_unfinished(made),
         "## The explorations by `srt-radial`",
         "",
-        "Each colour is the area that one of the two robots saw first, with its path.",
+        "Each colour is the area that one of the two robots saw first, with its path. Files that "
+        "hold the same world share a picture.",
         "",
         "![Small pictures of all maps, explored by two robots](maps.svg)",
         "",

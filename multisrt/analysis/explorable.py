@@ -64,8 +64,8 @@ MIN_UNSEEN_M = 1e-6
 SAMPLE_M = 0.25
 """Distance of the points that stand for what is still unseen, in metres."""
 
-SAMPLES_AT_ONCE = 1 << 20
-"""About the number of these points that are in memory at a time, each with about 100 bytes."""
+MAX_SAMPLES = 1 << 20
+"""Approximate maximum number of these points that are held at once, about 100 bytes each."""
 
 EXPLORABLE = 1
 """The label of what is explorable; all else is `OUTSIDE`."""
@@ -236,7 +236,7 @@ def _near_unseen(plane: StripMap, unseen: int, viewpoints: FloatArray, range_m: 
     if not len(intervals):
         return near
     count = np.ceil(lengths[intervals] / SAMPLE_M).astype(np.int64) + 1
-    blocks = np.flatnonzero(np.diff(np.cumsum(count) // SAMPLES_AT_ONCE)) + 1
+    blocks = np.flatnonzero(np.diff(np.cumsum(count) // MAX_SAMPLES)) + 1
     at = plane.cut.frame(viewpoints)
     for some, counts in zip(np.split(intervals, blocks), np.split(count, blocks), strict=True):
         # Points from the one end of each interval to the other.

@@ -1,7 +1,7 @@
 """The regions by which a run is judged, on the strips of what there is to explore.
 
 The intervals of a region on strips take many times the memory of its corners, and a long run of a
-large team has a hundred thousand regions. So they are made for some regions at a time.
+large team has a hundred thousand regions. They are therefore computed in blocks.
 """
 
 from __future__ import annotations
@@ -20,9 +20,8 @@ from multisrt.geometry.numerics.kernel import FloatArray, IntArray
 WHOLE, NOTHING = -1, -2
 """Masks of regions that count whole, and not at all; see `clipped`."""
 
-REGIONS_AT_ONCE: Final = 256
-"""Number of regions whose intervals are in memory at a time, each with about 100 kB in a large
-world."""
+MAX_REGIONS: Final = 256
+"""Maximum number of regions whose intervals are held at once, about 100 kB each in large worlds."""
 
 
 class ShownRegions:
@@ -35,7 +34,7 @@ class ShownRegions:
     corners : sequence of (k, 2) array
         The corners of each region in metres.
     masks : sequence of int
-        For each region the number of that in which it counts, or `WHOLE` or `NOTHING`.
+        For each region the index of the region to which it is clipped, or `WHOLE` or `NOTHING`.
 
     Examples
     --------
@@ -74,16 +73,16 @@ class ShownRegions:
         tables, regions, which
             As for `StripMap.relabel`.
         measured : callable, optional
-            What of the areas with each label, ``(k, labels)``, is returned; by default all.
+            Function applied to the areas ``(k, labels)`` of each block; by default all are kept.
 
         Returns
         -------
         (n, ...) array
-            That after every region.
+            The measured values after each region.
         """
         history = []
-        for first in range(0, max(1, len(regions)), REGIONS_AT_ONCE):
-            some = slice(first, first + REGIONS_AT_ONCE)
+        for first in range(0, max(1, len(regions)), MAX_REGIONS):
+            some = slice(first, first + MAX_REGIONS)
             runs, table = self._runs(regions[some]), None if which is None else which[some]
             areas_m2 = plane.relabel(runs, tables, range(len(regions[some])), table)
             history.append(measured(areas_m2))
@@ -93,8 +92,8 @@ class ShownRegions:
         """Return the area of all regions that does not count, in square metres."""
         parts = np.flatnonzero(self._masks != WHOLE).tolist()
         unshown = []
-        for first in range(0, len(parts), REGIONS_AT_ONCE):
-            some = parts[first : first + REGIONS_AT_ONCE]
+        for first in range(0, len(parts), MAX_REGIONS):
+            some = parts[first : first + MAX_REGIONS]
             claimed = runs_of(self._cut, [self._corners[region] for region in some])
             unshown.append(self._area_m2(claimed, len(some)))
             unshown.append(-self._area_m2(self._runs(some), len(some)))

@@ -31,8 +31,10 @@ class Recorder:
     file: IO[bytes] | None = None
     events: list[AnyEvent] = field(default_factory=list)
     _digest: hashlib._Hash = field(default_factory=hashlib.sha256)
-    _places: dict[Point, Point] = field(default_factory=dict)
-    _names: dict[tuple[NodeName, ...], tuple[NodeName, ...]] = field(default_factory=dict)
+    _places: dict[Point, Point] = field(init=False, default_factory=dict)
+    _names: dict[tuple[NodeName, ...], tuple[NodeName, ...]] = field(
+        init=False, default_factory=dict
+    )
 
     def __post_init__(self) -> None:
         self._write(ENCODER.encode(self.header))
@@ -41,10 +43,9 @@ class Recorder:
 
     def record(self, event: AnyEvent) -> None:
         """Record an event."""
-        event = self._compact(event)
         line = ENCODER.encode(event)
         self._digest.update(line + b"\n")
-        self.events.append(event)
+        self.events.append(self._compact(event))
         self._write(line)
 
     def finish(
@@ -92,15 +93,19 @@ class Recorder:
 
     def _compact(self, event: AnyEvent) -> AnyEvent:
         # A recording of a large team holds millions of places and of names of nodes, but few
-        # different ones: equal ones become one object.
-        match event:
-            case GoalChosen():
-                places, own = self._places, event.frontiers
-                frontiers = tuple([places.setdefault(place, place) for place in own])
-                return msgspec.structs.replace(event, frontiers=frontiers)
-            case Learned():
-                nodes = self._names.setdefault(event.nodes, event.nodes)
-                return msgspec.structs.replace(event, nodes=nodes)
+        # different ones: equal places, and equal tuples of names, are stored once.
+        try:
+            match event:
+                case GoalChosen():
+                    places, own = self._places, event.frontiers
+                    frontiers = tuple([places.setdefault(place, place) for place in own])
+                    return msgspec.structs.replace(event, frontiers=frontiers)
+                case Learned():
+                    nodes = self._names.setdefault(event.nodes, event.nodes)
+                    return msgspec.structs.replace(event, nodes=nodes)
+        except TypeError:
+            # Explorers of others may note lists in place of tuples.
+            pass
         return event
 
     def _write(self, line: bytes) -> None:

@@ -136,7 +136,8 @@ class Watchdog:
 
 
 def _collects_garbage(frame: FrameType | None) -> bool:
-    # What a callback of the garbage collection raises is not passed on.
+    # Errors of a callback of the garbage collector, which are functions of libraries, are discarded
+    # with a warning. Those of finalizers are, too, but these may be what takes too long.
     callbacks = [getattr(callback, "__code__", None) for callback in gc.callbacks]
     while frame is not None:
         if frame.f_code in callbacks:

@@ -23,7 +23,8 @@ class GainChoice:
         The target; None if the robot can reach none.
     rounds : tuple of (robot, target, area, value)
         The pairs in the order in which they were taken, up to the robot's own: the area that was
-        left to the target for the robot in square metres, and its value.
+        left to the target for the robot in square metres, and its value. Where the robot shares a
+        target, they are those of the second round, in which others may choose otherwise.
     """
 
     choice: int | None
@@ -56,9 +57,9 @@ def gain(
     range_m : float
         Distance in metres from which a target leaves the area of another one to it.
     power : float
-        Power of the cost.
+        Power of the way.
     nearest_m : float
-        Added to every cost in metres, so that near targets are compared by their areas.
+        Added to every way in metres, so that near targets are compared by their areas.
 
     Returns
     -------
@@ -75,13 +76,13 @@ def gain(
     robot and a target are taken in order of value, of equal ones that of the shortest way first,
     then of the lowest numbers, until the robot that chooses has its first target. The way of a
     robot is its cost; once it has taken a target, its way to the others leads over that one. The
-    length from one target to the next is taken as the lowest that the tables allow: the Euclidean
-    distance, or the difference of a robot's costs to the two. So a robot leaves to another what
-    that one will come by. A target that is taken reduces, for all other robots, the area of each
+    length from one target to the next is estimated by the larger of the Euclidean distance and the
+    largest difference of a robot's costs to the two. So a robot leaves to another what is on that
+    one's route. A target that is taken reduces, for all other robots, the area of each
     other target by the factor ``min(1, d / range_m)`` with d the distance between the two.
 
-    A robot to which the others leave nothing takes one with them: in a second round of the same
-    kind, each robot takes one target only, which may be taken again.
+    A robot to which the others leave nothing shares a target: in a second round of the same kind,
+    each robot takes one target only, and targets may be taken again.
 
     Source: the value is that of role-based exploration (de Hoog, Cameron and Visser, 2010: area
     over the power of the path length); differs in: robots take turns in order of value, reduce the
@@ -131,7 +132,7 @@ def _taken(
     *,
     goes_on: bool,
 ) -> list[tuple[int, int, float, float]]:
-    """Return what is taken up to a robot's first target; of many targets by each, or of one."""
+    """Return what is taken up to a robot's first target; each takes several if it goes on."""
     ways, is_open = costs.copy(), np.isfinite(costs)
     left = np.tile(areas, (len(costs), 1))
     rounds: list[tuple[int, int, float, float]] = []
@@ -155,7 +156,7 @@ def _taken(
 
 
 def _onward(costs: FloatArray, apart: FloatArray, target: int) -> FloatArray:
-    """Return lower bounds of the lengths from a target to all, ``(m,)`` metres."""
+    """Return estimates of the lengths from a target to all, ``(m,)`` metres."""
     reaching = costs[np.isfinite(costs[:, target])]
     bounds = np.abs(reaching - reaching[:, [target]])
     bounds[np.isinf(bounds)] = 0.0

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from multisrt.geometry.configuration import Configuration, wrap_angle
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.planners.motion.trajectory import Trajectory, Waypoint
+from multisrt.planners.motion.trajectory import NO_TURN_RAD, Trajectory, Waypoint
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -54,7 +54,9 @@ class Holonomic:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Differential:
-    """A body that turns in place and drives along its heading, forwards or backwards.
+    """A body that turns in place and drives along its heading, one by one or both at once.
+
+    It drives forwards and backwards.
 
     Attributes
     ----------
@@ -139,8 +141,8 @@ class Differential:
         Returns
         -------
         Trajectory or None
-            None if the place lies inside the circle in which the body turns towards it, or behind
-            it, so that it would turn by more than half a circle.
+            None if the place lies inside the turning circle, or if the body would have to turn by
+            more than half a circle.
 
         Examples
         --------
@@ -159,6 +161,8 @@ class Differential:
             return None
         towards = math.atan2(y - centre_y, x - centre_x) + side * math.asin(radius / away)
         turn = side * ((side * (towards - course)) % (2.0 * math.pi))
+        if abs(turn) > 2.0 * math.pi - NO_TURN_RAD:
+            turn = 0.0  # straight ahead, but for rounding
         if abs(turn) > math.pi:
             return None
         heading, turned_s = start.heading + turn, abs(turn) / self.turn_rate_rad_s

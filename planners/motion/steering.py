@@ -1,4 +1,4 @@
-"""Straight motions of a body inside a region that is known to be free (MOVE_TO of Multi-SRT)."""
+"""Motions of a body to a place in a region that is known to be free (MOVE_TO of Multi-SRT)."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from multisrt.planners.motion.kinematics import (
 )
 from multisrt.planners.motion.trajectory import Trajectory
 
-SAVED_S = 1e-6
-"""A curve is driven only if it saves more than this time in seconds."""
+MIN_SAVED_S = 1e-6
+"""Minimum time in seconds that a curve has to save."""
 
 
 def reach(
@@ -98,7 +98,7 @@ def steer(
     *,
     saves_turns: bool = False,
 ) -> Trajectory | None:
-    """Return the straight motion to a place inside a region.
+    """Return the motion to a place inside a region: straight after a turn, or after a curve.
 
     Parameters
     ----------
@@ -119,7 +119,7 @@ def steer(
     Returns
     -------
     Trajectory or None
-        None if no turn and straight motion stays in the region.
+        None if neither a turn nor a curve with a straight motion stays in the region.
 
     Examples
     --------
@@ -164,15 +164,17 @@ def _quickest_curve(
     x: float,
     y: float,
 ) -> Trajectory | None:
-    """Return the quickest motion in a curve; None if none stays in the region or saves time."""
+    """Return the quickest motion in a curve; None if none saves time and stays in the region.
+
+    A body that is no disc keeps the largest margin that it has at the start.
+    """
     ahead = math.atan2(y - start.y, x - start.x) - start.heading
-    turn = math.asin(min(1.0, abs(math.sin(ahead))))  # forwards or backwards
+    turn = math.asin(abs(math.sin(ahead)))  # forwards or backwards
     straight_s = math.hypot(x - start.x, y - start.y) / kinematics.speed_m_s
     first_turned_s = straight_s + turn / kinematics.turn_rate_rad_s
     curves = [kinematics.curve(start, x, y, backwards=backwards) for backwards in (False, True)]
-    quicker = [c for c in curves if c is not None and c.duration_s < first_turned_s - SAVED_S]
-    room = body.room(boundary, start) if quicker else None
-    if room is None:
+    quicker = [c for c in curves if c is not None and c.duration_s < first_turned_s - MIN_SAVED_S]
+    if not quicker or (room := body.room(boundary, start)) is None:
         return None
     quicker.sort(key=lambda curve: curve.duration_s)
     return next((curve for curve in quicker if room.lets_pass(curve.waypoints)), None)

@@ -83,7 +83,7 @@ def follow(
     path : (k, 2) array
         The rest of its path in metres, see `ahead`.
     limit_m : float
-        Maximum length of the motion in metres.
+        Maximum length of the motion in metres, measured along the path: a curve may be longer.
     until_s : float
         Time in seconds up to which the motion is needed. Legs that begin later are left out.
     saves_turns : bool

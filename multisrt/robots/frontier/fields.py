@@ -28,7 +28,7 @@ class DistanceFields:
         # The fields with the revisions of the raster that they are for.
         self._kept: dict[tuple[int, int], tuple[int, DistanceField]] = {}
         self._own: tuple[int, DistanceField] | None = None
-        self._stands: object = None
+        self._stands: tuple[Place, bytes] | None = None
 
     def field(self, x: float, y: float) -> DistanceField | None:
         """Return the distances from the passable cell nearest to a place.
@@ -56,17 +56,21 @@ class DistanceFields:
         return field
 
     def own(self, source: Place, blocked: bytes) -> DistanceField:
-        """Return the distances from where the robot stands, exactly.
+        """Return the distances from exactly where the robot stands.
 
-        The field is kept from the second time on that it is asked for: a robot that drives on will
-        not ask again, one that stands asks with all news.
+        A field is kept from its second request on, to save memory: a robot that drives requests
+        each once. It is for the cells that are blocked now: ask for lengths while these are.
 
         Parameters
         ----------
         source : (x, y)
             The place in metres, in a passable cell.
         blocked : bytes
-            What blocks cells of the raster for now: with other bodies the field is a new one.
+            Key of the discs that block cells now; another key gives a new field.
+
+        Returns
+        -------
+        DistanceField
         """
         stands = source, blocked
         if stands != self._stands:

@@ -65,7 +65,7 @@ class Frontiers:
     @property
     def leaves_out(self) -> bool:
         """Whether `targets` leaves out groups found unreachable: there may be a path by now."""
-        return len(self._reachable()) < len(self.groups())
+        return any(id(group) in self._unreachable for group in self.groups())
 
     def placed(self) -> list[tuple[FrontierGroup, Place]]:
         """Return the groups of `targets`, each with the place to go to."""

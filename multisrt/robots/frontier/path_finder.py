@@ -59,6 +59,7 @@ class PathFinder:
         self._bodies = bodies
         self._fields = DistanceFields(map.raster)
         self._discs = discs_of(())
+        self._blocked = b""
 
     @contextmanager
     def around_bodies(self, sightings: Iterable[Sighting] = ()) -> Iterator[None]:
@@ -74,12 +75,13 @@ class PathFinder:
             yield
             return
         discs = discs_of(bodies.values(), self._body.outer_radius_m)
-        before, self._discs = self._discs, discs
+        before = self._discs, self._blocked
+        self._discs, self._blocked = discs, self._blocked + discs.tobytes()
         try:
             with self._map.raster.blocked(discs + np.array([0.0, 0.0, self._options.guard_m])):
                 yield
         finally:
-            self._discs = before
+            self._discs, self._blocked = before
 
     def field(self, x: float, y: float) -> DistanceField | None:
         """Return the distances from a place; see `DistanceFields.field`."""
@@ -87,6 +89,8 @@ class PathFinder:
 
     def own_field(self) -> DistanceField | None:
         """Return the distances from where the robot stands; to be called in `around_bodies`.
+
+        Ask for lengths only while the same bodies block cells.
 
         Returns
         -------
@@ -101,7 +105,7 @@ class PathFinder:
         # unless that path turned out not to be free, as beside a wall.
         here = cell == raster.cell_of(x, y) and not self._course.is_stuck
         source = (x, y) if here else raster.centre_of(*cell)
-        return self._fields.own(source, self._discs.tobytes())
+        return self._fields.own(source, self._blocked)
 
     def first_cell(self) -> tuple[int, int] | None:
         """Return the cell at which the robot's paths begin; to be called in `around_bodies`.

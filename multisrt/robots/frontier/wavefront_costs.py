@@ -97,8 +97,8 @@ class WavefrontCosts:
             self._fields: dict[int, DistanceField | None] = {self.row: self.field}
             self._take_targets()
             if self.field is not None and not self._are_in_reach(whole):
-                changed = robot.look_closer(self.field)
-                if changed or whole:
+                is_some = self._own_nearest is not None
+                if robot.look_closer(self.field) or whole or is_some:
                     self._take_targets()
                     self._are_in_reach(whole)
 

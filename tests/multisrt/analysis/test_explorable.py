@@ -158,7 +158,7 @@ def test_unseen_points_are_looked_at_in_blocks(monkeypatch):
     pillars = shapely.union_all([shapely.box(x, y, x + 2, y + 2) for x in (2, 7) for y in (2, 8)])
     hall = shapely.box(0, 0, 12, 12) - pillars
     at_once = what(hall, range_m=3.0)
-    monkeypatch.setattr(explorable_module, "SAMPLES_AT_ONCE", 50)
+    monkeypatch.setattr(explorable_module, "MAX_SAMPLES", 50)
     for cached in (explorable_module._explorable_from, explorable_module._seen_from):
         cached.cache_clear()
     in_blocks = what(hall, range_m=3.0)

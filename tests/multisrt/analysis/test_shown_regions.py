@@ -22,7 +22,7 @@ def boxes():
 
 @pytest.fixture(params=[1, 5, 100])
 def at_once(request, monkeypatch):
-    monkeypatch.setattr(shown_regions, "REGIONS_AT_ONCE", request.param)
+    monkeypatch.setattr(shown_regions, "MAX_REGIONS", request.param)
 
 
 def test_regions_change_labels_as_all_at_once(boxes, at_once):

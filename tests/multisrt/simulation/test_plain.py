@@ -312,3 +312,17 @@ def test_what_is_noted_has_the_present_time(drive):
 
 def test_events_that_can_be_written_are_recorded_as_they_are(act):
     assert noted(act, NODE) is NODE
+
+
+def test_lists_in_place_of_tuples_are_recorded(act):
+    chosen = GoalChosen(
+        time_s=1.0,
+        robot=0,
+        rule="mine",
+        because="start",
+        goal=None,
+        frontiers=[[1.0, 2.0]],  # type: ignore[arg-type]
+    )
+    learned = Learned(time_s=1.0, robot=0, nodes=[(0, 0)])  # type: ignore[arg-type]
+    for event in (chosen, learned):
+        assert noted(act, event) is not None

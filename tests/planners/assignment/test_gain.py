@@ -107,13 +107,22 @@ def test_a_robot_that_reaches_nothing_has_no_choice():
 
 
 def test_a_robot_leaves_to_another_what_that_one_comes_by():
-    # Target 1 is 3 m behind target 0, which robot 0 takes. Robot 1 is 10 m from both, and goes 12 m
-    # to target 2: it is the last of all, and robot 0 has 19 m to go there.
+    # Target 1 is 3 m behind target 0, which robot 0 takes. Robot 1 is 10 m from both. Target 2 is
+    # taken last: it is 12 m from robot 1, and 19 m from robot 0 over targets 0 and 1.
     costs = [[2.0, 5.0, 14.0], [10.0, 10.0, 12.0]]
     between = [[0.0, 3.0, 12.0], [3.0, 0.0, 14.0], [12.0, 14.0, 0.0]]
     first, second = choices(costs, [5.0, 5.0, 5.0], between)
     assert (first.choice, second.choice) == (0, 2)
     assert [pair[:2] for pair in second.rounds] == [(0, 0), (0, 1), (1, 2)]
+
+
+def test_a_robot_that_is_left_nothing_shares_a_target():
+    # Robot 0 takes both targets, 2 m and then 3 m away. In the second round it takes target 0 only,
+    # and robot 1 target 1: half of its area is left, 2.5 / 10.5 ** 4 against 1.25 / 10.5 ** 4.
+    costs, between = [[2.0, 5.0], [10.0, 10.0]], [[0.0, 2.0], [2.0, 0.0]]
+    first, second = choices(costs, [1.25 / 0.5, 5.0], between)
+    assert first.rounds == (pytest.approx((0, 0, 2.5, 2.5 / 2.5**4)),)
+    assert second.rounds == (first.rounds[0], pytest.approx((1, 1, 2.5, 2.5 / 10.5**4)))
 
 
 @given(situations(), st.sampled_from([1.0, 2.0, 4.0]), st.sampled_from([0.5, 2.0]))

@@ -32,6 +32,42 @@ def test_driving_backwards_takes_as_long_as_forwards():
     assert drive.drive(Configuration(0.0, 0.0, 0.0), -1.0, 0.0).end == (-1.0, 0.0, 0.0)
 
 
+DRIVE = Differential(speed_m_s=0.5, turn_rate_rad_s=1.0)
+"""Its turning circle has a radius of 0.5 m."""
+
+
+@pytest.mark.parametrize(
+    ("place", "backwards"),
+    [
+        ((0.2, 0.6), False),  # inside the turning circle
+        ((-0.1, 0.05), False),  # behind: more than half a circle
+        ((0.1, 0.05), True),
+    ],
+)
+def test_there_is_no_curve_to_places_that_are_too_near(place, backwards):
+    assert DRIVE.curve(Configuration(0.0, 0.0, 0.0), *place, backwards=backwards) is None
+
+
+def test_a_curve_backwards_is_one_forwards_of_a_body_that_faces_the_other_way():
+    forwards = DRIVE.curve(Configuration(0.0, 0.0, 0.0), 1.0, 3.0)
+    backwards = DRIVE.curve(Configuration(0.0, 0.0, -math.pi), 1.0, 3.0, backwards=True)
+    assert forwards is not None
+    assert backwards is not None
+    for one, other in zip(forwards.waypoints, backwards.waypoints, strict=True):
+        assert other[:3] == pytest.approx(one[:3])
+        assert other.heading == pytest.approx(one.heading - math.pi)
+
+
+@given(st.floats(-math.pi, math.pi))
+def test_a_curve_to_a_place_straight_ahead_is_straight(heading):
+    start = Configuration(1.0, 2.0, heading)
+    x, y = 1.0 + 2.0 * math.cos(heading), 2.0 + 2.0 * math.sin(heading)
+    motion = DRIVE.curve(start, x, y)
+    assert motion is not None
+    assert motion.duration_s == pytest.approx(4.0)
+    assert motion.waypoints[-1][1:] == pytest.approx((x, y, heading), abs=1e-6)
+
+
 def test_motions_of_no_length_take_no_time():
     here = Configuration(1.0, 2.0, 0.5)
     for motion in (

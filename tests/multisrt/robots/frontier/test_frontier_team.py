@@ -536,7 +536,7 @@ def test_paths_begin_where_no_body_stops_the_robot(body, pocket, west, begins_in
         assert robot.path_finder.first_cell() == expected[begins_in]
 
 
-def test_a_frontier_in_a_part_of_the_map_that_was_out_of_reach_counts_once_the_parts_have_joined():
+def test_frontiers_out_of_reach_count_once_parts_have_joined():
     """Though the frontier itself has not changed since."""
     corridor = Environment("corridor", shapely.box(0, 0, 40, 4))
     robot = FrontierRobot(self_at(10.0, 2.0), FrontierOptions())
@@ -555,6 +555,26 @@ def test_a_frontier_in_a_part_of_the_map_that_was_out_of_reach_counts_once_the_p
     assert ends() == [6, 14]
     see_from(17.0)
     assert ends() == [6, 28]
+
+
+def test_a_field_round_one_body_is_not_taken_for_that_round_two():
+    robot = robot_at([(4.0, 7.0)])
+    body = Sighting(
+        robot=1, configuration=Configuration(5.0, 7.0), footprint=self_at(0, 0).footprint
+    )
+    places = np.array([[6.5, 7.0]])
+
+    def length():
+        return float(robot.own_field().distance(robot.indices_of(places))[0])
+
+    for _ in range(2):
+        free = length()
+        with robot.around_bodies([body]):
+            around = length()
+            with robot.around_bodies():
+                assert length() == around
+        assert around > free + 0.05
+        assert length() == free
 
 
 def test_where_no_path_from_its_place_is_free_a_robot_sets_out_from_the_middle_of_its_cell():

@@ -107,7 +107,7 @@ def test_closest_chooses_as_on_the_full_table(situation):
 @given(situations())
 def test_minpos_chooses_as_on_the_full_table(situation):
     table = full_table(grid_robot(*situation))
-    # Marching from either end differs by up to a cell, so that near ties may be decided otherwise.
+    # Marches from either end differ by some percent of the way, so near ties are left out.
     columns = np.sort(table.costs, axis=0)
     with np.errstate(invalid="ignore"):
         assume(not (np.diff(columns, axis=0) < 1.0).any())

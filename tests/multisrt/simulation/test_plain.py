@@ -321,8 +321,8 @@ def test_lists_in_place_of_tuples_are_recorded(act):
         rule="mine",
         because="start",
         goal=None,
-        frontiers=[[1.0, 2.0]],  # type: ignore[arg-type]
+        frontiers=[[1.0, 2.0]],
     )
-    learned = Learned(time_s=1.0, robot=0, nodes=[(0, 0)])  # type: ignore[arg-type]
+    learned = Learned(time_s=1.0, robot=0, nodes=[(0, 0)])
     for event in (chosen, learned):
         assert noted(act, event) is not None

@@ -104,7 +104,8 @@ def drive_leg(
             robot.at,
             path,
             until_s=robot.options.sense_period_s,
-            saves_turns=robot.options.saves_turns,
+            # A curve leaves the path, which leads round bodies in the way.
+            saves_turns=robot.options.saves_turns and not len(robot.bodies),
         )
     else:
         motion = yield from car.motion_along(path)

@@ -46,7 +46,7 @@ class FrontierOptions(HomingOptions, frozen=True, kw_only=True, forbid_unknown_f
     saves_turns : bool
         Whether a differential drive turns on the way where there is room for the curve, and takes a
         leg of its path backwards where it turns less for that: a range finder that sees all around
-        shows the same either way.
+        shows the same either way. With bodies in the way it turns in place.
     report_period_s : float
         Time after which a robot that drives reports its position, if it has reported nothing
         else, in seconds.

@@ -8,7 +8,7 @@ from __future__ import annotations
 import gc
 import signal
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from time import monotonic, thread_time
 from types import FrameType, TracebackType
@@ -135,20 +135,19 @@ class Watchdog:
         raise ComputesTooLong(frame)
 
 
-def _collects_garbage(frame: FrameType | None) -> bool:
+def _collects_garbage(frame: FrameType) -> bool:
     # Errors of a callback of the garbage collector, which are functions of libraries, are discarded
     # with a warning. Those of finalizers are, too, but these may be what takes too long.
     callbacks = [getattr(callback, "__code__", None) for callback in gc.callbacks]
-    while frame is not None:
-        if frame.f_code in callbacks:
-            return True
-        frame = frame.f_back
-    return False
+    return any(caller.f_code in callbacks for caller in _with_callers(frame))
 
 
-def _compiles(frame: FrameType | None) -> bool:
+def _compiles(frame: FrameType) -> bool:
+    names = (str(caller.f_globals.get("__name__", "")) for caller in _with_callers(frame))
+    return any(name.startswith("numba.core") for name in names)
+
+
+def _with_callers(frame: FrameType | None) -> Iterator[FrameType]:
     while frame is not None:
-        if str(frame.f_globals.get("__name__", "")).startswith("numba.core"):
-            return True
+        yield frame
         frame = frame.f_back
-    return False

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import heapq
 import math
+from array import array
 from collections.abc import Callable, Hashable, Iterable, Mapping
 from typing import Generic, TypeVar
 
@@ -13,7 +14,7 @@ Place = TypeVar("Place", bound=Hashable)
 class Roadmap(Generic[Place]):
     """An undirected graph of places, whose edges are paths of known length.
 
-    Places are any hashable objects.
+    Places are any hashable objects. Where a path begins is added if it is new.
 
     Examples
     --------
@@ -27,20 +28,31 @@ class Roadmap(Generic[Place]):
     """
 
     def __init__(self) -> None:
-        self._edges: dict[Place, dict[Place, float]] = {}
+        # Large teams have millions of edges: places are numbered, and each has the numbers of its
+        # neighbours and the lengths of the edges to them.
+        self._places: list[Place] = []
+        self._numbers: dict[Place, int] = {}
+        self._edges: list[tuple[array[int], array[float]]] = []
 
     def add(self, place: Place) -> None:
         """Add a place without paths; a known place is left as it is."""
-        self._edges.setdefault(place, {})
+        self._number(place)
 
     def connect(self, a: Place, b: Place, length_m: float) -> None:
         """Connect two places in both directions by an edge of `length_m` metres; add new places."""
-        self._edges.setdefault(a, {})[b] = length_m
-        self._edges.setdefault(b, {})[a] = length_m
+        first, second = self._number(a), self._number(b)
+        for one, other in ((first, second), (second, first)):
+            neighbours, lengths = self._edges[one]
+            if other in neighbours:
+                lengths[neighbours.index(other)] = length_m
+            else:
+                neighbours.append(other)
+                lengths.append(length_m)
 
-    def neighbours(self, place: Place) -> tuple[Place, ...]:
-        """Return the neighbours of a place in the order of their connection; none if unknown."""
-        return tuple(self._edges.get(place, ()))
+    def joins(self, a: Place, b: Place) -> bool:
+        """Return whether there is an edge between two places."""
+        first, second = self._numbers.get(a), self._numbers.get(b)
+        return first is not None and second is not None and second in self._edges[first][0]
 
     def path_to_nearest(
         self,
@@ -69,30 +81,32 @@ class Roadmap(Generic[Place]):
         Dijkstra's algorithm, stopped at the first destination: the cost depends on its distance,
         not on the size of the roadmap. Of equally near places the one connected first wins.
         """
-        came_from: dict[Place, Place] = {}
-        distance = {start: 0.0}
-        settled: set[Place] = set()
+        places, first = self._places, self._number(start)
+        came_from: dict[int, int] = {}
+        distance = {first: 0.0}
+        settled: set[int] = set()
         order = 0
-        queue: list[tuple[float, int, Place]] = [(0.0, order, start)]
+        queue: list[tuple[float, int, int]] = [(0.0, order, first)]
         while queue:
-            travelled, _, place = heapq.heappop(queue)
-            if place in settled:
+            travelled, _, number = heapq.heappop(queue)
+            if number in settled:
                 continue
-            settled.add(place)
+            settled.add(number)
+            place = places[number]
             if wanted(place):
-                path = [place]
-                while path[-1] != start:
+                path = [number]
+                while path[-1] != first:
                     path.append(came_from[path[-1]])
-                return path[::-1]
-            for neighbour, length in self._edges.get(place, {}).items():
+                return [places[k] for k in reversed(path)]
+            for neighbour, length in zip(*self._edges[number], strict=True):
                 reach = travelled + length
                 if (
                     neighbour not in settled
                     and reach < distance.get(neighbour, math.inf)
-                    and (passable is None or passable(place, neighbour))
+                    and (passable is None or passable(place, places[neighbour]))
                 ):
                     distance[neighbour] = reach
-                    came_from[neighbour] = place
+                    came_from[neighbour] = number
                     order += 1
                     heapq.heappush(queue, (reach, order, neighbour))
         return None
@@ -166,22 +180,35 @@ class Roadmap(Generic[Place]):
         >>> roadmap.tree({"hall": 1.0, "desk": 5.0})
         ({'hall': 1.0, 'desk': 3.0}, {'desk': 'hall'})
         """
-        queue: list[tuple[float, int, Place, Place | None]] = [
-            (length, order, start, None) for order, (start, length) in enumerate(starts.items())
+        places, none = self._places, -1
+        queue: list[tuple[float, int, int, int]] = [
+            (length, order, self._number(start), none)
+            for order, (start, length) in enumerate(starts.items())
         ]
         heapq.heapify(queue)
         order = len(queue)
-        lengths: dict[Place, float] = {}
+        lengths: dict[int, float] = {}
         before: dict[Place, Place] = {}
         while queue:
-            length, _, place, last = heapq.heappop(queue)
-            if place in lengths:
+            length, _, number, last = heapq.heappop(queue)
+            if number in lengths:
                 continue
-            lengths[place] = length
-            if last is not None:
-                before[place] = last
-            for neighbour, more in self._edges.get(place, {}).items():
-                if neighbour not in lengths and (passable is None or passable(place, neighbour)):
+            lengths[number] = length
+            place = places[number]
+            if last != none:
+                before[place] = places[last]
+            for neighbour, more in zip(*self._edges[number], strict=True):
+                if neighbour not in lengths and (
+                    passable is None or passable(place, places[neighbour])
+                ):
                     order += 1
-                    heapq.heappush(queue, (length + more, order, neighbour, place))
-        return lengths, before
+                    heapq.heappush(queue, (length + more, order, neighbour, number))
+        return {places[number]: length for number, length in lengths.items()}, before
+
+    def _number(self, place: Place) -> int:
+        # The number of a place, which is added if it is new.
+        number = self._numbers.setdefault(place, len(self._places))
+        if number == len(self._places):
+            self._places.append(place)
+            self._edges.append((array("i"), array("d")))
+        return number

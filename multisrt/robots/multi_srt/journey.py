@@ -178,11 +178,11 @@ class Journey:
             return
         self._roadmap.extend()
         following = target.route[0]
-        if following not in self._roadmap.graph.neighbours(here) and not self._roadmap.is_car:
+        if not self._roadmap.graph.joins(here, following) and not self._roadmap.is_car:
             x, y, _ = self._map[following].configuration
             if any(self._goes_straight(around, x, y) for around in seen):
                 self._roadmap.join(here, following)
-        if following in self._roadmap.graph.neighbours(here):
+        if self._roadmap.graph.joins(here, following):
             self.target = replace(target, route=(here, *target.route))
 
     def _parent(self, node: Node) -> list[Node]:

@@ -67,7 +67,8 @@ class SrtRoadmap:
         self.map = known
         self.graph: Roadmap[NodeId] = Roadmap()
         self._seen = 0
-        self._roomy: set[tuple[NodeId, NodeId]] = set()
+        # Edges on which the body does not fit in every heading, as far as known, both ways.
+        self._narrow: set[tuple[NodeId, NodeId]] = set()
         self._has_room: set[NodeId] = set()
         self._turns: dict[NodeId, float] = {}
         self._driven: dict[tuple[NodeId, NodeId], Trajectory] = {}
@@ -111,7 +112,9 @@ class SrtRoadmap:
             self._driven[parent.id, node.id] = out_and_back.out
             self._driven[node.id, parent.id] = out_and_back.back
         elif roomy:
-            self._join(parent.id, node.id)
+            self._has_room.update((parent.id, node.id))
+        else:
+            self._narrow.update(((parent.id, node.id), (node.id, parent.id)))
 
     def extend(self) -> None:
         """Add bridges for the nodes that are new in the map: straight paths from node to node.
@@ -128,7 +131,7 @@ class SrtRoadmap:
         # Every pair is considered once, when the later of the two nodes is new.
         pairs = self.map.pairs_near(self._seen, self.me.range_m)
         self._seen = len(nodes)
-        unknown = [not self._knows_edge(nodes[a].id, nodes[b].id) for a, b in pairs.tolist()]
+        unknown = [not self._is_settled(nodes[a].id, nodes[b].id) for a, b in pairs.tolist()]
         pairs = pairs[np.array(unknown, np.bool_)]
         joined = self.body.bridges(self.map.places, self.map.rings, pairs)
         for a, b in pairs[joined].tolist():
@@ -146,8 +149,9 @@ class SrtRoadmap:
         """Return the shortest route to any of the wanted nodes, or None."""
         return self.graph.path_to_nearest(start, wanted, passable)
 
-    def _knows_edge(self, a: NodeId, b: NodeId) -> bool:
-        return (a, b) in self._roomy or (a, b) in self._driven
+    def _is_settled(self, a: NodeId, b: NodeId) -> bool:
+        # Whether there is an edge that no bridge would improve.
+        return self.graph.joins(a, b) and (a, b) not in self._narrow
 
     def _bridge(self, a: Node, b: Node) -> None:
         if isinstance(self.me.kinematics, Car):
@@ -161,9 +165,10 @@ class SrtRoadmap:
 
     def join(self, a: NodeId, b: NodeId) -> None:
         """Add an edge: a straight path on which the body fits in any heading."""
-        self._join(a, b)
         length = self.map[a].configuration.distance(self.map[b].configuration)
         self.graph.connect(a, b, length)
+        self._narrow.difference_update(((a, b), (b, a)))
+        self._has_room.update((a, b))
 
     def _curve(self, a: Node, b: Node) -> Trajectory | None:
         # The shortest curve of a car between two nodes that stays in their regions.
@@ -171,10 +176,6 @@ class SrtRoadmap:
         region = a.region.polygon().union(b.region.polygon())
         start, goal = a.configuration, b.configuration
         return car_trajectory(self.body, self.me.kinematics, region, start, goal, 1, max_checks=0)
-
-    def _join(self, a: NodeId, b: NodeId) -> None:
-        self._roomy.update(((a, b), (b, a)))
-        self._has_room.update((a, b))
 
     # Motions -----------------------------------------------------------------------------
 
@@ -231,7 +232,7 @@ class SrtRoadmap:
         if (
             self.body.is_disc
             or isinstance(drive, Holonomic)
-            or (a, b) in self._roomy
+            or self._is_settled(a, b)
             or self._is_wide(start, end)
         ):
             return turn_and_drive(drive, at, x, y)
@@ -252,7 +253,7 @@ class SrtRoadmap:
         """Whether there is a motion from one node straight to another; see `hop`."""
         if isinstance(self.me.kinematics, Car):
             return (a, b) in self._driven
-        return self.body.is_disc or b in self.graph.neighbours(a)
+        return self.body.is_disc or self.graph.joins(a, b)
 
     def _is_wide(self, a: Node, b: Node) -> bool:
         # Whether the body fits in any heading on the edge of the tree between two nodes.

@@ -1,0 +1,305 @@
+"""Strategies of this project against those of the papers, in worlds on which none was tuned.
+
+``python -m benchmarks.beyond run beyond.sqlite --maps FOLDER`` makes the runs that the store lacks,
+``python -m benchmarks.beyond page beyond.sqlite`` prints their page in Markdown. The worlds are
+fifteen of the suites and, if their folder is given, five maps of other projects.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+import pandas as pd
+
+import multisrt as ms
+from benchmarks.maps import read
+from multisrt import load_results
+from multisrt.experiments.spec import (
+    EnvironmentChoice,
+    ExperimentSpec,
+    Only,
+    RadioChoice,
+    StrategyChoice,
+)
+from multisrt.presets.summary import markdown_table
+from multisrt.statistics.families import paired_family
+from multisrt.statistics.intervals import Interval
+from multisrt.statistics.rank_tests import RankTest, corrected, paired
+from multisrt.statistics.ratios import ratio_of
+
+OURS: Final = ("gain",)
+"""Strategies of this project."""
+
+PAPERS: Final = ("closest", "greedy", "minpos", "utility", "self-bidding", "rules")
+"""Strategies of the papers. Those of the SRT family need several times as long in every world."""
+
+SUITES: Final = ("indoor-30", "mazes-30", "outdoor-30")
+NUMBERS: Final = (3, 8, 13, 18, 23)
+"""Every fifth world of each suite; their kinds and difficulties take turns."""
+
+MAPS: Final = (
+    "explore_bench/room.pgm",
+    "ipa_coverage_planning/Freiburg52_scan.png",
+    "ipa_coverage_planning/lab_intel.png",
+    "movingai/den204d.map",
+    "stage/hospital_section.png",
+)
+"""Files in the folder of maps."""
+
+TEAMS: Final = (1, 2, 4, 8)
+REPETITIONS: Final = 20
+FULL, LIMITED = "full", "limited"
+RADIOS: Final = (
+    RadioChoice(label=FULL),
+    RadioChoice(label=LIMITED, range_m=10.0, walls="block"),
+)
+
+TIME, END = "time_to_99_s", "makespan_s"
+QUANTITIES: Final = {TIME: "time to 99 %", END: "time to the end"}
+
+LEVEL: Final = 0.05
+"""Significance level, after Holm's correction over all cells."""
+
+CELL: Final = ["environment", "robots", "radio"]
+
+
+def experiment(maps: Path | None, *, repetitions: int, reference: bool) -> ExperimentSpec:
+    """Return the experiment.
+
+    Parameters
+    ----------
+    maps : Path or None
+        Folder with `MAPS`; None leaves them out.
+    repetitions : int
+        Repetitions of every cell.
+    reference : bool
+        Whether times are compared with those of the informed plan.
+    """
+    worlds = [
+        EnvironmentChoice(name=f"{suite}/{number:02d}") for suite in SUITES for number in NUMBERS
+    ]
+    if maps is not None:
+        worlds += [read(maps / name, name).choice for name in MAPS]
+    return ExperimentSpec(
+        name="Beyond the papers",
+        about="Is a strategy of this project faster than the best of the papers'?",
+        environments=tuple(worlds),
+        strategies=tuple(StrategyChoice(name=name) for name in (*OURS, *PAPERS)),
+        robots=TEAMS,
+        starts=("clustered",),
+        radios=RADIOS,
+        exclude=(Only(robots=1, radio=LIMITED),),
+        repetitions=repetitions,
+        reference="informed" if reference else "none",
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """One strategy against another in some cells.
+
+    Attributes
+    ----------
+    ratio : Interval
+        Of the times, below 1 if the first is faster.
+    p_value : float
+        Of the family of cells.
+    mean : float
+        Geometric mean over cells of the ratios of the mean times.
+    faster, slower : int
+        Cells in which the first is significantly faster, or slower, after Holm's correction.
+    cells : int
+        Number of cells.
+    """
+
+    ratio: Interval
+    p_value: float
+    mean: float
+    faster: int
+    slower: int
+    cells: int
+
+
+def compared(runs: pd.DataFrame, first: str, second: str, quantity: str) -> Comparison:
+    """Compare two strategies in all cells of some runs, paired by repetition."""
+    a, b = (_by_cell(runs, name, quantity) for name in (first, second))
+    cells = [cell for cell in a if cell in b]
+    pairs = [a[cell].align(b[cell], join="inner") for cell in cells]
+    ones, others = ([pair[k].to_numpy() for pair in pairs] for k in (0, 1))
+    repetitions = [pair[0].index.tolist() for pair in pairs]
+
+    def test(ratio: float) -> RankTest:
+        return paired_family(ones, others, repetitions=repetitions, ratio=ratio)
+
+    tests = corrected([paired(one, other) for one, other in zip(ones, others, strict=True)])
+    is_significant = [test.p_value < LEVEL for test in tests]
+    logs = [
+        np.log(np.median(one) / np.median(other)) for one, other in zip(ones, others, strict=True)
+    ]
+    return Comparison(
+        ratio=ratio_of(test),
+        p_value=test(1.0).p_value,
+        mean=float(np.exp(np.mean(logs))),
+        faster=sum(
+            ok and found.a_lower > 0.5 for ok, found in zip(is_significant, tests, strict=True)
+        ),
+        slower=sum(
+            ok and found.a_lower < 0.5 for ok, found in zip(is_significant, tests, strict=True)
+        ),
+        cells=len(cells),
+    )
+
+
+def best_of(runs: pd.DataFrame, names: Sequence[str], quantity: str) -> str:
+    """Return the strategy with the lowest geometric mean of its median times over cells."""
+    medians = _timed(runs, quantity).groupby(["strategy", *CELL], sort=True)[quantity].median()
+    means = np.log(medians).groupby("strategy").mean()
+    return str(means.loc[[name for name in names if name in means.index]].idxmin())
+
+
+def page(runs: pd.DataFrame) -> list[str]:
+    """Return the lines of the page."""
+    present = [name for name in (*OURS, *PAPERS) if name in set(runs["strategy"])]
+    ours = [name for name in present if name in OURS]
+    papers = [name for name in present if name in PAPERS]
+    complete = (runs["status"] == "complete").mean()
+    lines = [
+        "# Beyond the papers",
+        "",
+        "Made with `python -m benchmarks.beyond run beyond.sqlite --maps FOLDER` and "
+        "`python -m benchmarks.beyond page beyond.sqlite`.",
+        "",
+        f"{len(runs):,} runs: {runs['environment'].nunique()} worlds, teams of "
+        f"{', '.join(map(str, sorted(runs['robots'].unique())))}, full and limited radio (10 m, "
+        f"walls block), {runs['repetition'].nunique()} repetitions; robots start close together. "
+        "The worlds are of the suites, which no strategy was tuned on, and maps of other "
+        f"projects. {complete:.1%} of the runs are complete; {runs['collisions'].sum():.0f} "
+        "collisions. Runs are paired by repetition. A ratio is that of the times, below 1 if the "
+        "strategy of this project is faster, with its 95 % interval over all cells by inverting "
+        "the signed-rank test of the family; the mean is the geometric mean of the ratios of the "
+        "cells' medians. Cells are tested one by one, with Holm's correction over all of them.",
+        "",
+    ]
+    for radio in (FULL, LIMITED):
+        part = runs[runs["radio"] == radio]
+        if part.empty:
+            continue
+        lines += [f"## With {radio} radio", ""]
+        for quantity, words in QUANTITIES.items():
+            best = best_of(part, papers, quantity)
+            rows = [
+                _row(name, f"{other} (best)" if other == best else other, found)
+                for name in ours
+                for other in papers
+                for found in [compared(part, name, other, quantity)]
+            ]
+            lines += [f"{words[0].upper()}{words[1:]}:", "", markdown_table(COLUMNS, rows), ""]
+        best = best_of(part, papers, TIME)
+        lines += [
+            f"By team size, against `{best}`, time to 99 %:",
+            "",
+            markdown_table(
+                ("robots", *COLUMNS[2:]),
+                [
+                    (str(team), *_row(name, best, compared(of_team, name, best, TIME))[2:])
+                    for name in ours
+                    for team, of_team in part.groupby("robots", sort=True)
+                ],
+            ),
+            "",
+            f"By world, against `{best}`, time to 99 %:",
+            "",
+            markdown_table(
+                ("world", *COLUMNS[2:]),
+                [
+                    (str(world), *_row(name, best, compared(of_world, name, best, TIME))[2:])
+                    for name in ours
+                    for world, of_world in part.groupby("environment", sort=True)
+                ],
+            ),
+            "",
+        ]
+    return lines + _regrets(runs, present)
+
+
+COLUMNS: Final = ("strategy", "against", "ratio", "mean", "p", "cells", "faster in", "slower in")
+
+
+def _row(name: str, other: str, found: Comparison) -> tuple[str, ...]:
+    ratio = found.ratio
+    return (
+        name,
+        other,
+        f"{ratio.value:.3f} ({ratio.low:.3f} to {ratio.high:.3f})",
+        f"{found.mean:.3f}",
+        f"{found.p_value:.2g}",
+        str(found.cells),
+        str(found.faster),
+        str(found.slower),
+    )
+
+
+def _regrets(runs: pd.DataFrame, names: Sequence[str]) -> list[str]:
+    """Return the part on times as multiples of those of the informed plan."""
+    known = runs.dropna(subset=["over_informed"])
+    if known.empty:
+        return []
+    quarters = known.groupby(["radio", "strategy"])["over_informed"].quantile([0.25, 0.5, 0.75])
+    rows = [
+        (radio, name, *(f"{quarters[radio, name, share]:.2f}" for share in (0.5, 0.25, 0.75)))
+        for radio in (FULL, LIMITED)
+        for name in names
+        if (radio, name) in quarters.index.droplevel(2)
+    ]
+    return [
+        "## Beside a team that knows the map",
+        "",
+        f"Time to 99 % as a multiple of that of the informed plan, {len(known):,} runs.",
+        "",
+        markdown_table(("radio", "strategy", "median", "lower quartile", "upper quartile"), rows),
+        "",
+    ]
+
+
+def _timed(runs: pd.DataFrame, quantity: str) -> pd.DataFrame:
+    """Return the runs with infinite times where a run was not complete or never came so far."""
+    times = runs[quantity].where(runs["status"] == "complete").fillna(np.inf)
+    return runs.assign(**{quantity: times})
+
+
+def _by_cell(runs: pd.DataFrame, name: str, quantity: str) -> dict[object, pd.Series]:
+    """Return the times of a strategy by cell, each a series by repetition."""
+    own = _timed(runs, quantity)
+    own = own[own["strategy"] == name]
+    return {
+        cell: of_cell.set_index("repetition")[quantity].sort_index()
+        for cell, of_cell in own.groupby(CELL, sort=True)
+    }
+
+
+def main() -> None:
+    """Make the runs, or print the page."""
+    parser = argparse.ArgumentParser(description="strategies of this project against the papers'")
+    commands = parser.add_subparsers(dest="command", required=True)
+    made = commands.add_parser("run", help="make the runs that a store lacks")
+    made.add_argument("store", type=Path)
+    made.add_argument("--maps", type=Path, help="folder with maps of other projects")
+    made.add_argument("--repetitions", type=int, default=REPETITIONS)
+    made.add_argument("--informed", action="store_true", help="compare with the informed plan")
+    made.add_argument("--workers", type=int)
+    commands.add_parser("page", help="print the page").add_argument("stores", type=Path, nargs="+")
+    given = parser.parse_args()
+    if given.command == "run":
+        spec = experiment(given.maps, repetitions=given.repetitions, reference=given.informed)
+        ms.compare(spec, store=given.store, workers=given.workers)
+    else:
+        print("\n".join(page(pd.concat([load_results(store) for store in given.stores]))))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,70 @@
+from itertools import product
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from benchmarks.beyond import FULL, LIMITED, NUMBERS, SUITES, best_of, compared, experiment, page
+from multisrt.experiments.crossing import runs as runs_of
+
+TIMES = {"gain": 80.0, "minpos": 120.0, "utility": 100.0}
+
+
+def made(times: dict[str, float], *, repetitions: int = 12) -> pd.DataFrame:
+    """Return runs in two worlds by two teams, with times that differ from pair to pair."""
+    rng = np.random.default_rng(1)
+    rows = []
+    for world, team, radio in product(("a", "b"), (2, 4), (FULL, LIMITED)):
+        for repetition in range(repetitions):
+            luck = rng.uniform(0.9, 1.1)
+            rows += [
+                {
+                    "environment": world,
+                    "robots": team,
+                    "radio": radio,
+                    "repetition": repetition,
+                    "strategy": name,
+                    "status": "complete",
+                    "collisions": 0,
+                    "time_to_99_s": luck * time * rng.uniform(0.99, 1.01) / team,
+                    "makespan_s": luck * time * 1.2 / team,
+                    "over_informed": time / 70.0,
+                }
+                for name, time in times.items()
+            ]
+    return pd.DataFrame(rows)
+
+
+def test_the_experiment_has_worlds_of_all_suites():
+    spec = experiment(None, repetitions=1, reference=False)
+    conditions = runs_of(spec)
+    worlds = {run.condition.environment for run in conditions}
+    assert worlds == {f"{suite}/{number:02d}" for suite in SUITES for number in NUMBERS}
+    assert not any(
+        run.condition.radio == LIMITED and run.condition.robots == 1 for run in conditions
+    )
+
+
+def test_a_strategy_is_compared_by_pairs():
+    found = compared(made(TIMES), "gain", "minpos", "time_to_99_s")
+    assert found.ratio.low < 2.0 / 3.0 < found.ratio.high
+    assert found.mean == pytest.approx(2.0 / 3.0, rel=0.01)
+    assert (found.cells, found.faster, found.slower) == (8, 8, 0)
+    assert found.p_value < 0.001
+
+
+def test_a_run_that_is_not_complete_is_slower_than_all_others():
+    runs = made(TIMES)
+    runs.loc[(runs["strategy"] == "gain") & (runs["environment"] == "a"), "status"] = "stalled"
+    found = compared(runs, "gain", "minpos", "time_to_99_s")
+    assert (found.faster, found.slower) == (4, 4)
+
+
+def test_the_best_strategy_has_the_lowest_mean_over_cells():
+    assert best_of(made(TIMES), ["minpos", "utility"], "time_to_99_s") == "utility"
+
+
+def test_the_page_compares_with_the_best():
+    text = "\n".join(page(made(TIMES)))
+    assert "\n| gain | utility (best) |" in text
+    assert "\n| full | gain | 1.14 | 1.14 | 1.14 |" in text

@@ -10,6 +10,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 from typing import Final
 
@@ -249,12 +250,11 @@ def _regrets(runs: pd.DataFrame, names: Sequence[str]) -> list[str]:
     known = runs.dropna(subset=["over_informed"])
     if known.empty:
         return []
-    quarters = known.groupby(["radio", "strategy"])["over_informed"].quantile([0.25, 0.5, 0.75])
+    regrets = dict(list(known.groupby(["radio", "strategy"])["over_informed"]))
     rows = [
-        (radio, name, *(f"{quarters[radio, name, share]:.2f}" for share in (0.5, 0.25, 0.75)))
-        for radio in (FULL, LIMITED)
-        for name in names
-        if (radio, name) in quarters.index.droplevel(2)
+        (*key, *(f"{regrets[key].quantile(share):.2f}" for share in (0.5, 0.25, 0.75)))
+        for key in product((FULL, LIMITED), names)
+        if key in regrets
     ]
     return [
         "## Beside a team that knows the map",

@@ -288,11 +288,7 @@ def path_to(robot: FrontierRobot, survey: Survey, aim: Place) -> PathToCell | No
     """
     raster, width = robot.raster, robot_options(robot).search_cell_m
     goal = survey.index_of(raster, aim)
-    if (
-        survey.start is None
-        or goal is None
-        or not (survey.unknown[goal] and survey.reachable[goal])
-    ):
+    if survey.start is None or goal is None or not survey.unknown[goal]:
         return None
     (r, c), (goal_r, goal_c) = survey.start, goal
     obstacles = survey.centres[survey.obstacle]
@@ -304,6 +300,8 @@ def path_to(robot: FrontierRobot, survey: Survey, aim: Place) -> PathToCell | No
         path, cells = np.floor(line).astype(np.int64), math.hypot(goal_r - r, goal_c - c)
     else:
         path = a_star(survey.traversable, r, c, goal_r, goal_c)
+        if not len(path):
+            return None
         cells = _length(path)
     row, column = path[last_known(survey.traversable & ~survey.unknown, path)].tolist()
     edge = raster.centre_of(row + survey.row, column + survey.column)

@@ -213,11 +213,10 @@ def _closed(
     raster = robot.raster
     wide = {id(group) for group in robot.frontiers.groups() if group.target is not None}
     closed = np.zeros(shape, np.bool_)
-    for group in raster.frontier_groups(0.0):
-        if id(group) not in wide:
-            r, c = (group.cells - np.array(corner)).T
-            for across, along in product((-1, 0, 1), repeat=2):
-                closed[r + across, c + along] = True
+    narrow = [g.cells for g in raster.frontier_groups(0.0) if id(g) not in wide]
+    r, c = np.vstack([np.empty((0, 2), np.int64), *narrow]).T - np.array(corner)[:, None]
+    for across, along in product((-1, 0, 1), repeat=2):
+        closed[r + across, c + along] = True
     reach = 0.5 * robot.me.footprint.width_m / raster.cell_m + BESIDE
     n = math.floor(reach)
     for place in tried:

@@ -300,12 +300,10 @@ class DistanceField:
             raise InvalidInputError(
                 f"no path leads to cell ({row}, {column}): its distance is infinite"
             )
-        arrays, window = march.arrays, march.window
+        arrays = march.arrays
         at = march.numbers_of(asked)
         down, begins = descend(at, arrays.state, arrays.distance, arrays.width)
-        row, column = np.divmod(down, arrays.width)
-        paths = np.column_stack([row - 2 + window[0], column - 2 + window[2]])
-        return paths, begins
+        return march.cells_of(down), begins
 
     def repair(self, window: tuple[int, int, int, int]) -> None:
         """Adapt to cells that have become passable or blocked.

@@ -329,28 +329,25 @@ def _is_lower(value: float, own: float, state: int) -> bool:
 @inlined_kernel
 def _upwind(distance: FloatArray, v: int, width: int) -> float:
     # Solve sum over the axes of weight * (value - base)^2 = 1 with the accepted cells upwind.
-    base_x, weight_x = _one_sided(distance, v, unsigned(1))
-    base_y, weight_y = _one_sided(distance, v, width)
-    if base_x < np.inf and base_y < np.inf:
-        a = weight_x + weight_y
-        b = weight_x * base_x + weight_y * base_y
-        c = weight_x * base_x * base_x + weight_y * base_y * base_y - 1.0
-        discriminant = b * b - a * c
-        if discriminant >= 0.0:
-            value = (b + math.sqrt(discriminant)) / a
-            if value >= max(base_x, base_y):
-                return value
-    # The front arrives along one axis only.
-    return min(base_x + 1.0 / math.sqrt(weight_x), base_y + 1.0 / math.sqrt(weight_y))
+    base_x, weight_x, length_x = _one_sided(distance, v, unsigned(1))
+    base_y, weight_y, length_y = _one_sided(distance, v, width)
+    a = weight_x + weight_y
+    b = weight_x * base_x + weight_y * base_y
+    c = weight_x * base_x * base_x + weight_y * base_y * base_y - 1.0
+    value = (b + math.sqrt(b * b - a * c)) / a
+    # Otherwise, also where it is no number, the front arrives along one axis only.
+    arrives_along_both = value >= max(base_x, base_y)
+    return value if arrives_along_both else min(base_x + length_x, base_y + length_y)
 
 
 @inlined_kernel
-def _one_sided(distance: FloatArray, v: int, step: int) -> tuple[float, float]:
-    # The difference along one axis as sqrt(weight) * (value - base); base is inf if no value is
-    # known. Selections instead of branches: which neighbours are known is hard to predict.
+def _one_sided(distance: FloatArray, v: int, step: int) -> tuple[float, float, float]:
+    # The difference along one axis as (value - base) / length, with the weight 1 / length^2; base
+    # is inf if no value is known. Selections instead of branches, here and in `_upwind`: which
+    # neighbours are known is hard to predict.
     before, after = distance[v - step], distance[v + step]
     beyond = v + step + step if after < before else v - step - step
     nearest, second = min(before, after), distance[beyond]
     of_second_order = second <= nearest and second < np.inf
     base = (4.0 * nearest - second) / 3.0 if of_second_order else nearest
-    return base, 2.25 if of_second_order else 1.0
+    return base, 2.25 if of_second_order else 1.0, 2.0 / 3.0 if of_second_order else 1.0

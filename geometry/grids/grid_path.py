@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from multisrt.geometry.grids.distance_field import DistanceField
 from multisrt.geometry.grids.sight import in_sight
 from multisrt.geometry.numerics.arrays import BoolArray, FloatArray, IntArray
+from multisrt.geometry.numerics.distances import length_of
 from multisrt.geometry.numerics.kernel import kernel
 
 
@@ -78,13 +79,9 @@ def straightened(field: DistanceField, descent: IntArray) -> FloatArray:
     turns = line[_pull(field.passable, line, True)]
     if len(turns) > 2:
         other = line[_pull(field.passable, line, False)]
-        turns = other if _length(other) < _length(turns) else turns
+        turns = other if length_of(other) < length_of(turns) else turns
     path: FloatArray = turns * field.cell_m + (field.x0, field.y0)
     return path
-
-
-def _length(line: FloatArray) -> float:
-    return float(np.hypot(*np.diff(line, axis=0).T).sum())
 
 
 @kernel

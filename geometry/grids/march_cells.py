@@ -113,6 +113,19 @@ def numbers_of(cells: IntArray, window: Corners, width: int) -> IntArray:
     return numbers
 
 
+@kernel
+def cells_of(numbers: IntArray, window: Corners, width: int) -> IntArray:
+    """Return the rows and columns in the grid of cells in a window, ``(n, 2)``.
+
+    It is the inverse of `numbers_of`, whose parameters these are.
+    """
+    cells = np.empty((numbers.shape[0], 2), np.int64)
+    for i in range(numbers.shape[0]):
+        cells[i, 0] = numbers[i] // width - 2 + window[0]
+        cells[i, 1] = numbers[i] % width - 2 + window[2]
+    return cells
+
+
 @inlined_kernel
 def _number(cells: IntArray, i: int, window: Corners, width: int) -> int:
     row, column = cells[i, 0], cells[i, 1]

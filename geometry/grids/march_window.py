@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from multisrt.geometry.grids.fast_march import BLOCKED, March, advance, seed, take_back
 from multisrt.geometry.grids.march_cells import (
+    cells_of,
     first_accepted,
     lay_out,
     march_to,
@@ -79,6 +80,10 @@ class MarchWindow:
     def numbers_of(self, cells: IntArray) -> IntArray:
         """Return the numbers of cells in the present window, 0 for those outside of it."""
         return numbers_of(cells, self.window, self.arrays.width)
+
+    def cells_of(self, numbers: IntArray) -> IntArray:
+        """Return the rows and columns in the grid of cells with some numbers, ``(n, 2)``."""
+        return cells_of(numbers, self.window, self.arrays.width)
 
     def values_of(self, cells: IntArray) -> FloatArray:
         """Return the values of cells in widths of a cell, ``inf`` if not accepted."""

@@ -1,4 +1,4 @@
-"""Distances from points to points, segments and boundaries; containment in polygons."""
+"""Distances from points to points, segments and boundaries; lengths; containment in polygons."""
 
 from __future__ import annotations
 
@@ -150,3 +150,27 @@ def distance_to_segments(places: FloatArray, segments: FloatArray) -> FloatArray
             distance = np.hypot(px - t * dx, py - t * dy)
             result[i] = min(result[i], distance)
     return result
+
+
+def length_of(path: FloatArray) -> float:
+    """Return the length of a polyline.
+
+    Parameters
+    ----------
+    path : (n, 2) array
+        Its corners, at least one.
+
+    Returns
+    -------
+    float
+        In units of the corners; 0 for a single point.
+
+    Examples
+    --------
+    >>> length_of(np.array([[0.0, 0.0], [3.0, 4.0], [3.0, 5.0]]))
+    6.0
+    >>> length_of(np.array([[1.0, 2.0]]))
+    0.0
+    """
+    steps = path[1:] - path[:-1]
+    return float(np.hypot(steps[:, 0], steps[:, 1]).sum())

@@ -13,6 +13,7 @@ import numpy as np
 
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.numerics.boxes import all_below
 from multisrt.geometry.numerics.kernel import FloatArray, kernel
 from multisrt.planners.motion.body import PlanningBody
 from multisrt.planners.motion.kinematics import Car, Kinematics
@@ -161,7 +162,7 @@ def _polyline(path: FloatArray) -> FloatArray:
     corners = np.ascontiguousarray(path, dtype=np.float64)
     if corners.ndim != 2 or corners.shape[1:] != (2,) or not len(corners):
         raise InvalidInputError(f"a path is a (k, 2) array with k > 0, not {corners.shape}")
-    if not np.isfinite(corners).all():
+    if not all_below(corners, math.inf):
         raise InvalidInputError("the corners of a path are finite numbers of metres")
     return _distinct(corners)
 

@@ -71,11 +71,7 @@ class FrontierGroups:
         return list(self._in_order)
 
     def _group_again(self, layers: Layers) -> None:
-        windows = np.array(self._outdated, np.int64) + np.array([-1, 1, -1, 1])
-        windows -= np.array([layers.row, layers.row, layers.column, layers.column])
-        windows = np.maximum(windows, 0)
-        windows[:, :2] = np.minimum(windows[:, :2], layers.states.shape[0])
-        windows[:, 2:] = np.minimum(windows[:, 2:], layers.states.shape[1])
+        windows = _with_rims(np.array(self._outdated, np.int64), layers)
         self._outdated.clear()
 
         released, firsts = _release(windows, layers)
@@ -100,6 +96,19 @@ class FrontierGroups:
             )
             begin = end
         self._in_order = [self._by_first_cell[first] for first in sorted(self._by_first_cell)]
+
+
+@kernel
+def _with_rims(windows: IntArray, layers: Layers) -> IntArray:
+    # Windows of the lattice, one cell larger on all sides, as windows of the arrays.
+    rows, columns = layers.states.shape
+    larger = np.empty_like(windows)
+    for w in range(windows.shape[0]):
+        larger[w, 0] = min(rows, max(0, windows[w, 0] - 1 - layers.row))
+        larger[w, 1] = min(rows, max(0, windows[w, 1] + 1 - layers.row))
+        larger[w, 2] = min(columns, max(0, windows[w, 2] - 1 - layers.column))
+        larger[w, 3] = min(columns, max(0, windows[w, 3] + 1 - layers.column))
+    return larger
 
 
 @kernel

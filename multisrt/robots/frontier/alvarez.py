@@ -28,6 +28,7 @@ import numpy as np
 
 from multisrt.events import GoalChosen
 from multisrt.geometry.configuration import Configuration
+from multisrt.geometry.numerics.distances import length_of
 from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.planners.assignment.cell_choice import GoalChoice
 from multisrt.planners.assignment.exchange import exchange
@@ -46,7 +47,7 @@ from multisrt.robots.frontier.alvarez_goals import (
 )
 from multisrt.robots.frontier.driving import REACHED_M, Driven, drive, drive_leg
 from multisrt.robots.frontier.explore import FrontierExplorer
-from multisrt.robots.frontier.goal import Goal, Place, length_of
+from multisrt.robots.frontier.goal import Goal, Place
 from multisrt.robots.frontier.messages import InaccessibleMessage, SwapMessage
 from multisrt.robots.frontier.options import RulesOptions
 from multisrt.robots.frontier.progress import Event

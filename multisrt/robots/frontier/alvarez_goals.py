@@ -213,11 +213,10 @@ def _closed(
     raster = robot.raster
     wide = {id(group) for group in robot.frontiers.groups() if group.target is not None}
     closed = np.zeros(shape, np.bool_)
-    for group in raster.frontier_groups(0.0):
-        if id(group) not in wide:
-            r, c = (group.cells - np.array(corner)).T
-            for across, along in product((-1, 0, 1), repeat=2):
-                closed[r + across, c + along] = True
+    narrow = [g.cells for g in raster.frontier_groups(0.0) if id(g) not in wide]
+    r, c = np.vstack([np.empty((0, 2), np.int64), *narrow]).T - np.array(corner)[:, None]
+    for across, along in product((-1, 0, 1), repeat=2):
+        closed[r + across, c + along] = True
     reach = 0.5 * robot.me.footprint.width_m / raster.cell_m + BESIDE
     n = math.floor(reach)
     for place in tried:
@@ -288,11 +287,7 @@ def path_to(robot: FrontierRobot, survey: Survey, aim: Place) -> PathToCell | No
     """
     raster, width = robot.raster, robot_options(robot).search_cell_m
     goal = survey.index_of(raster, aim)
-    if (
-        survey.start is None
-        or goal is None
-        or not (survey.unknown[goal] and survey.reachable[goal])
-    ):
+    if survey.start is None or goal is None or not survey.unknown[goal]:
         return None
     (r, c), (goal_r, goal_c) = survey.start, goal
     obstacles = survey.centres[survey.obstacle]
@@ -304,6 +299,8 @@ def path_to(robot: FrontierRobot, survey: Survey, aim: Place) -> PathToCell | No
         path, cells = np.floor(line).astype(np.int64), math.hypot(goal_r - r, goal_c - c)
     else:
         path = a_star(survey.traversable, r, c, goal_r, goal_c)
+        if not len(path):
+            return None
         cells = _length(path)
     row, column = path[last_known(survey.traversable & ~survey.unknown, path)].tolist()
     edge = raster.centre_of(row + survey.row, column + survey.column)

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from multisrt.geometry.numerics.distances import length_of
 from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.planners.motion.kinematics import Car
 from multisrt.planners.motion.trajectory import Trajectory
@@ -20,7 +21,7 @@ from multisrt.robots.frontier.bodies import Bodies
 from multisrt.robots.frontier.car_planning import MIN_LENGTH_M, CarPlanner
 from multisrt.robots.frontier.car_route import Route
 from multisrt.robots.frontier.course import Course
-from multisrt.robots.frontier.goal import Place, length_of
+from multisrt.robots.frontier.goal import Place
 from multisrt.robots.frontier.options import FrontierOptions
 from multisrt.robots.frontier.scan_map import ScanMap
 

@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 
 from multisrt.geometry.configuration import Configuration
+from multisrt.geometry.numerics.distances import length_of
 from multisrt.planners.motion.trajectory import Trajectory
 from multisrt.planners.navigation.path_following import ahead
-from multisrt.robots.frontier.goal import Goal, Place, length_of
+from multisrt.robots.frontier.goal import Goal, Place
 
 
 class Course:

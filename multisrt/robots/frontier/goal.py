@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from multisrt.geometry.numerics.kernel import FloatArray
 
 Place = tuple[float, float]
@@ -27,6 +25,7 @@ class Goal:
 
     Examples
     --------
+    >>> import numpy as np
     >>> goal = Goal(3.0, 4.0, np.array([[0.0, 0.0], [3.0, 4.0]]), 5.0)
     >>> goal.place
     (3.0, 4.0)
@@ -41,27 +40,3 @@ class Goal:
     def place(self) -> Place:
         """The place as a pair."""
         return self.x, self.y
-
-
-def length_of(path: FloatArray) -> float:
-    """Return the length of a polyline.
-
-    Parameters
-    ----------
-    path : (n, 2) array
-        Its corners in metres.
-
-    Returns
-    -------
-    float
-        Metres; 0 for a single point.
-
-    Examples
-    --------
-    >>> length_of(np.array([[0.0, 0.0], [3.0, 4.0], [3.0, 5.0]]))
-    6.0
-    >>> length_of(np.array([[1.0, 2.0]]))
-    0.0
-    """
-    steps = np.diff(path, axis=0)
-    return float(np.hypot(steps[:, 0], steps[:, 1]).sum())

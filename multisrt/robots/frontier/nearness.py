@@ -8,6 +8,7 @@ from collections.abc import Generator
 from typing import cast
 
 from multisrt.events import DiagramEnd, DiagramLeft
+from multisrt.geometry.numerics.distances import length_of
 from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.planners.motion.kinematics import Differential, Holonomic
 from multisrt.planners.navigation.beams import in_frame_of, nearer, region_ranges
@@ -17,7 +18,7 @@ from multisrt.planners.navigation.path_following import ahead
 from multisrt.robots.explorer import Action, Note, Outcome
 from multisrt.robots.frontier.bodies import discs_of
 from multisrt.robots.frontier.driving import Driven, carry_out, drive, reason_to_end
-from multisrt.robots.frontier.goal import Goal, Place, length_of
+from multisrt.robots.frontier.goal import Goal, Place
 from multisrt.robots.frontier.options import BiddingOptions
 from multisrt.robots.frontier.progress import Event
 from multisrt.robots.frontier.robot import FrontierRobot

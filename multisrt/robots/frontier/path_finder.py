@@ -13,12 +13,13 @@ from multisrt.geometry.bodies.clearance import paths_keep_clear
 from multisrt.geometry.grids.distance_field import DistanceField
 from multisrt.geometry.grids.euclidean_field import EuclideanField
 from multisrt.geometry.grids.grid_path import shortest_path
+from multisrt.geometry.numerics.distances import length_of
 from multisrt.planners.motion.body import PlanningBody
 from multisrt.robots.explorer import Sighting
 from multisrt.robots.frontier.bodies import Bodies, discs_of
 from multisrt.robots.frontier.course import Course
 from multisrt.robots.frontier.fields import NEAR_BY_CELLS, DistanceFields, indices_of
-from multisrt.robots.frontier.goal import Goal, Place, length_of
+from multisrt.robots.frontier.goal import Goal, Place
 from multisrt.robots.frontier.options import FrontierOptions
 from multisrt.robots.frontier.scan_map import ScanMap
 from multisrt.robots.protective_stop import planned_gap
@@ -164,7 +165,7 @@ class PathFinder:
             ).path(index)
         else:
             path = shortest_path(field, index)
-        whole = np.vstack([[self._course.at[:2]], path])
+        whole = np.concatenate(([self._course.at[:2]], path))
         return Goal(x, y, whole, length_of(whole))
 
     def detour_to(self, goal: Goal, sightings: Iterable[Sighting], limit_m: float) -> Goal | None:

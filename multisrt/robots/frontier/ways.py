@@ -15,10 +15,11 @@ import numpy as np
 from multisrt.geometry.grids.distance_field import DistanceField
 from multisrt.geometry.grids.grid_path import shortest_path
 from multisrt.geometry.numerics.arrays import FloatArray
+from multisrt.geometry.numerics.distances import length_of
 from multisrt.robots.explorer import RobotSelf
 from multisrt.robots.frontier.course import Course
 from multisrt.robots.frontier.fields import NEAR_BY_CELLS, indices_of
-from multisrt.robots.frontier.goal import Goal, Place, length_of
+from multisrt.robots.frontier.goal import Goal, Place
 from multisrt.robots.frontier.path_finder import PathFinder
 from multisrt.robots.frontier.scan_map import ScanMap
 from multisrt.robots.homing.contact import ContactPlaces

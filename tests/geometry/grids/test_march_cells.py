@@ -11,6 +11,7 @@ from multisrt.geometry.grids.fast_march import ACCEPTED, EXACT_CELLS, FREE, RIM,
 from multisrt.geometry.grids.march_cells import (
     DETOUR,
     MARGIN_CELLS,
+    cells_of,
     first_accepted,
     first_outside,
     lay_out,
@@ -74,6 +75,15 @@ def test_cells_outside_of_the_window_have_number_0():
     cells = np.array([[3, 9], [4, 10], [6, 11], [7, 12], [4, 12]])
     numbers = numbers_of(cells, (4, 7, 9, 12), 3 + 4)
     assert numbers.tolist() == [0, 2 * 7 + 1 + 2, 4 * 7 + 2 + 2, 0, 0]
+
+
+@given(st.integers(0, 9), st.integers(1, 4), st.integers(0, 9), st.integers(1, 4))
+def test_numbers_lead_back_to_their_cells(row, rows, column, columns):
+    window = (row, row + rows, column, column + columns)
+    cells = np.argwhere(np.ones((rows, columns), np.bool_)) + np.array([row, column])
+    numbers = numbers_of(cells, window, columns + 4)
+    assert len(set(numbers.tolist())) == rows * columns
+    assert cells_of(numbers, window, columns + 4).tolist() == cells.tolist()
 
 
 @pytest.mark.parametrize("cell", [(-1, 0), (3, 0), (0, -1), (0, 4)])

@@ -10,6 +10,7 @@ from multisrt.geometry.numerics.distances import (
     distance_to_boundary,
     distance_to_segments,
     inside,
+    length_of,
     nearest_point,
     nearest_points,
 )
@@ -68,3 +69,9 @@ def test_distance_to_segments_agrees_with_shapely(lines, places):
     shape = shapely.MultiLineString(list(lines.reshape(-1, 2, 2)))
     expected = [shape.distance(shapely.Point(place)) for place in places]
     assert distance_to_segments(places, lines) == pytest.approx(expected, abs=1e-9)
+
+
+@given(points)
+def test_the_length_of_a_path_agrees_with_shapely(path):
+    expected = shapely.LineString(path).length if len(path) > 1 else 0.0
+    assert length_of(path) == pytest.approx(expected)

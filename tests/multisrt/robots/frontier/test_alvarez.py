@@ -136,6 +136,17 @@ def test_cells_behind_a_wall_are_reached_through_the_door():
     assert not closed.can_reach(robot.raster, (-0.25, 3.25))
 
 
+def test_a_path_leads_to_every_unexplored_cell_in_reach_and_to_no_other():
+    robot = robot_in(TWO_ROOMS, 3, 3, seen_from=[(3, 1.2), (5, 4.8)])
+    survey = take_survey(robot, [(5.6, y) for y in np.arange(0.1, 6.0, 0.2)], ())
+    in_reach = 0
+    for x, y in survey.centres[survey.unexplored].tolist():
+        leads = path_to(robot, survey, (x, y)) is not None
+        assert leads == survey.can_reach(robot.raster, (x, y))
+        in_reach += leads
+    assert 0 < in_reach < survey.unexplored.sum()
+
+
 def test_the_goal_is_at_the_edge_of_the_known_area():
     robot = robot_in(HALL, 15, 5)
     survey = take_survey(robot, (), ())

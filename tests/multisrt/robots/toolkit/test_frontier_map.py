@@ -9,9 +9,9 @@ from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.grids.occupancy import FREE, OCCUPIED, UNKNOWN
+from multisrt.geometry.numerics.distances import length_of
 from multisrt.geometry.regions.safe_region import LocalSafeRegion
 from multisrt.robots.explorer import Sighting
-from multisrt.robots.frontier.goal import length_of
 from multisrt.robots.knowledge import Node, NodeId
 from multisrt.robots.toolkit import FrontierMap
 

@@ -53,6 +53,9 @@ Rule = Callable[[FrontierRobot, Event], Generator[Action, Outcome, Goal | None]]
 
 Act = Generator[Action, Outcome, Event]
 
+NO_TIME = "there is no time for another goal and the way home"
+"""Why a robot goes home, in words, that would have gone on."""
+
 
 class FrontierExplorer:
     """Explores by driving to frontiers that a rule chooses, alone or in a team.
@@ -144,6 +147,8 @@ class FrontierExplorer:
             team.phase = "choosing"
             if (errand := errand_now(robot)) is not None:
                 return (yield from self.set_out(errand))
+            if robot.homing is not None:
+                robot.homing.has_left_out = False
             goal = yield from self._rule(robot, self.progress.because)
         if robot.homing is not None:
             return (yield from self.weigh(robot.homing, goal))
@@ -151,16 +156,21 @@ class FrontierExplorer:
         return Event.GOAL if goal is not None else self.why_no_goal()
 
     def weigh(self, homing: FrontierHoming, goal: Goal | None) -> Act:
-        """Take a goal if there is time for it and the way home; else go home, if that is of use."""
+        """Take a goal if there is time for it and the way home; else go home, if that is of use.
+
+        Rules leave out what there is no time for; one of a user's own may not.
+        """
         robot, why = self.robot, "it knows of nothing that is left to explore"
         robot.set_goal(goal)
         if goal is None:
             event = self.why_no_goal()
+            if event is Event.EXPLORED and homing.has_left_out:
+                why, event = NO_TIME, Event.OUT_OF_TIME
         elif homing.fits(robot.course, goal):
             event = Event.GOAL
         else:
             robot.set_goal(None)
-            why, event = "there is no time for its next goal and the way home", Event.OUT_OF_TIME
+            why, event = NO_TIME, Event.OUT_OF_TIME
         is_done = event in (Event.OUT_OF_TIME, Event.EXPLORED, Event.JAMMED, Event.BOXED_IN)
         if is_done and robot.team.carries:
             # The answer to the last report may be on its way.

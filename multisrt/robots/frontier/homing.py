@@ -12,6 +12,7 @@ import math
 
 import numpy as np
 
+from multisrt.geometry.numerics.arrays import BoolArray, FloatArray
 from multisrt.robots.explorer import RobotSelf
 from multisrt.robots.frontier.bodies import Bodies
 from multisrt.robots.frontier.course import Course
@@ -56,6 +57,9 @@ class FrontierHoming:
         How long ways last, and when the time is over.
     pair : Pair
         What it does in its pair; alone unless the robots go in pairs.
+    has_left_out : bool
+        Whether a place was left out of a choice, as there is no time for it; to be reset before a
+        choice.
     """
 
     def __init__(
@@ -77,6 +81,7 @@ class FrontierHoming:
             team.pair = self.pair
         else:
             self.pair.part()
+        self.has_left_out = False
         self._options = options
         self._map = map
         self._team = team
@@ -144,17 +149,43 @@ class FrontierHoming:
         )
 
     def fits(self, course: Course, goal: Goal) -> bool:
-        """Whether there is time to go to a goal and home from there.
+        """Whether there is time to go to a goal and home from there; see `in_time`."""
+        return bool(self.in_time(course, np.array([goal.place]), np.array([goal.cost_m]))[0])
 
-        True if no way home is known: it has to be found. The way to the goal counts at full speed,
-        as a robot that is late on it turns back before.
+    def in_time(self, course: Course, places: FloatArray, costs_m: FloatArray) -> BoolArray:
+        """Return whether there is time to go to places, and home from each.
+
+        Parameters
+        ----------
+        course : Course
+            Where the robot is.
+        places : (m, 2) array
+            Places in passable cells, in metres.
+        costs_m : (m,) array
+            Lengths of the paths there, in metres. They count at full speed, as a robot that is late
+            on one turns back before.
+
+        Returns
+        -------
+        (m,) array of bool
+            True where no way home is known: it has to be found.
         """
-        if not self._may_be_heard:
-            return True
-        [home_m] = self._ways.lengths(np.array([goal.place])).tolist()
-        return math.isinf(home_m) or self._has_time(
-            course.time_s + goal.cost_m / self.time.speed_m_s, home_m
-        )
+        if math.isinf(self.time.limit_s) or not self._may_be_heard:
+            return np.ones(len(places), np.bool_)
+        out_s = course.time_s + costs_m / self.time.speed_m_s
+        ways = zip(out_s.tolist(), self._ways.lengths(places).tolist(), strict=True)
+        return np.array([math.isinf(m) or self._has_time(s, m) for s, m in ways], np.bool_)
+
+    def only_in_time(self, course: Course, places: FloatArray, costs_m: FloatArray) -> FloatArray:
+        """Return the lengths of the paths to places, ``inf`` where there is no time for one.
+
+        This is what leaves them out of the robot's choices, whatever its rule is. The parameters
+        are those of `in_time`.
+        """
+        late = np.isfinite(costs_m)
+        late[late] = ~self.in_time(course, places[late], costs_m[late])
+        self.has_left_out |= bool(late.any())
+        return np.where(late, np.inf, costs_m)
 
     def _has_time(self, now_s: float, home_m: float) -> bool:
         # And for two legs more, before the end of which the robot does not ask again.

@@ -7,6 +7,8 @@ from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager
 from typing import cast
 
+import numpy as np
+
 from multisrt.events import MapComplete
 from multisrt.geometry.bodies.clearance import disc_clearance
 from multisrt.geometry.bodies.footprint import Footprint
@@ -176,6 +178,27 @@ class FrontierRobot:
         """Return the indices of the cells of places, ``(k, 2)``; see `fields.indices_of`."""
         return indices_of(self.raster, places)
 
+    def costs_in_time(self, field: DistanceField, places: FloatArray) -> FloatArray:
+        """Return the lengths of the robot's paths to places that it may choose.
+
+        Parameters
+        ----------
+        field : DistanceField
+            Distances from where it stands.
+        places : (m, 2) array
+            Places in passable cells, in metres.
+
+        Returns
+        -------
+        (m,) array
+            Metres; ``inf`` where there is no path, or no time to go there and home again (see
+            `FrontierHoming.in_time`).
+        """
+        costs_m = field.distance(self.indices_of(places))
+        if self.homing is None:
+            return costs_m
+        return self.homing.only_in_time(self.course, places, costs_m)
+
     def goal_at(self, field: DistanceField, x: float, y: float) -> Goal:
         """Return a place as a goal, with the path to it; see `PathFinder.goal_at`."""
         return self.path_finder.goal_at(field, x, y)
@@ -191,6 +214,8 @@ class FrontierRobot:
             return False
         self.look_closer(field)
         targets = self.targets()
+        if self.homing is not None:
+            return bool(np.isfinite(self.costs_in_time(field, targets)).any())
         return len(targets) > 0 and field.first(self.indices_of(targets)) is not None
 
     # The goal -----------------------------------------------------------------------------

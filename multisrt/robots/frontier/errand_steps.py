@@ -18,9 +18,14 @@ MAX_PROPOSALS = 6
 
 def errand_now(robot: FrontierRobot) -> Errand | None:
     """Return the errand that comes before all exploration, if there is one."""
-    homing = robot.homing
-    if homing is None:
-        return None
+    found = None if robot.homing is None else news_errand(robot, robot.homing)
+    if found is not None or robot.pursuit is None or robot.team.requests.meet:
+        return found
+    return robot.pursuit.errand()
+
+
+def news_errand(robot: FrontierRobot, homing: FrontierHoming) -> Errand | None:
+    """Return the errand that brings news home, or to the mate of the pair that does."""
     why = homing.reason(robot.course) if robot.team.carries else None
     if why is not None:
         robot.team.requests.meet = False
@@ -82,6 +87,10 @@ def end_errand(robot: FrontierRobot, errand: Errand, *, barred: bool) -> Steps:
     barred : bool
         Whether bodies bar all paths there.
     """
+    if errand.kind == "pursue":
+        assert robot.pursuit is not None
+        robot.pursuit.note_end()
+        return
     homing = robot.homing
     assert homing is not None
     if errand.is_over():

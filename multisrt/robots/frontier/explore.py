@@ -229,7 +229,7 @@ class FrontierExplorer:
             ended = yield from drive(
                 robot,
                 goal,
-                "home",
+                errand.purpose,
                 to_see=False,
                 until=lambda: errand.is_over() or errand.is_late(robot.time_s),
             )

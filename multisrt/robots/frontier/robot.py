@@ -30,6 +30,7 @@ from multisrt.robots.frontier.goal import Goal
 from multisrt.robots.frontier.homing import FrontierHoming
 from multisrt.robots.frontier.options import FrontierOptions
 from multisrt.robots.frontier.path_finder import PathFinder
+from multisrt.robots.frontier.pursuit import Pursuit
 from multisrt.robots.frontier.scan_map import ScanMap, raster_for
 from multisrt.robots.frontier.team import Team
 
@@ -78,6 +79,8 @@ class FrontierRobot:
         Its messages, and what it knows of the others.
     homing : FrontierHoming or None
         What brings its news home, if anything does.
+    pursuit : Pursuit or None
+        What takes it to mates that are out of touch, if anything does.
     car : CarDriver or None
         Plans its motions, if it is a car.
 
@@ -120,6 +123,20 @@ class FrontierRobot:
                 self.path_finder,
                 self.bodies,
             )
+        )
+        self.pursuit = (
+            Pursuit(
+                me,
+                options,
+                self.course,
+                self.map,
+                self.team,
+                self.path_finder,
+                self.frontiers,
+                self.homing,
+            )
+            if options.pursue
+            else None
         )
         drive = me.kinematics
         self.car = (

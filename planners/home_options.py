@@ -9,7 +9,7 @@ import msgspec
 
 from multisrt.geometry.errors import InvalidInputError
 
-Home = Literal["never", "in-time", "worth", "relays"]
+Home = Literal["never", "in-time", "worth", "relays", "chain"]
 
 
 class HomeOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -17,12 +17,13 @@ class HomeOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
 
     Attributes
     ----------
-    home : {"never", "in-time", "worth", "relays"}
+    home : {"never", "in-time", "worth", "relays", "chain"}
         When a robot drives to where the base station hears it. "never": on no account. "in-time":
         when it has explored all it can, and so that what it carries is delivered before the run's
         time limit. "worth": then, and when what it carries is worth the way. "relays": robots go
-        in pairs, of which one explores and the other carries its news home. Other values than
-        "never" need a base station.
+        in pairs, of which one explores and the other carries its news home. "chain": robots line up
+        as relays, so that the base station hears the one that explores. Other values than "never"
+        need a base station.
     home_margin : float
         Share by which ways home are taken to last longer than their length at full speed, for
         turns, scans and other robots on the way.
@@ -34,7 +35,8 @@ class HomeOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
         share of that area and the one it does not know yet.
     home_wait_s : float
         Time in seconds for which a robot waits for an acknowledgement where it should be heard,
-        and, with "relays", for its mate after the time agreed on.
+        with "relays" for its mate after the time agreed on, and with "chain" for a relay that is
+        late, or for the front that is not heard.
 
     Raises
     ------

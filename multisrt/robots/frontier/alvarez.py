@@ -312,7 +312,7 @@ def path_in_time(robot: FrontierRobot, survey: Survey, aim: Place) -> PathToCell
     if path is None or robot.homing is None:
         return path
     field = robot.own_field()
-    if field is None or not np.isfinite(robot.costs_in_time(field, np.array([path.edge]))[0]):
+    if field is None or not np.isfinite(robot.fitting_costs(field, np.array([path.edge]))[0]):
         return None
     return path
 

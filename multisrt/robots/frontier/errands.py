@@ -10,14 +10,16 @@ from typing import Final, Literal
 from multisrt.events import Purpose
 from multisrt.robots.frontier.goal import Goal
 
-ErrandKind = Literal["home", "meet", "pursue"]
-"""To deliver news to the base station, to meet the mate that takes them or has them, or to go after
-one that is out of touch."""
+ErrandKind = Literal["home", "meet", "pursue", "link", "wait"]
+"""To deliver news to the base station, to meet the mate that takes them or has them, to go after
+one that is out of touch, to stand as a relay, or to wait for those who do."""
 
 WHAT: Final = {
     "home": "goes home",
     "meet": "goes to meet its mate",
     "pursue": "goes after a mate",
+    "link": "stands",
+    "wait": "waits",
 }
 """What a robot does on each kind of errand, in words."""
 
@@ -28,7 +30,7 @@ class Errand:
 
     Attributes
     ----------
-    kind : {"home", "meet", "pursue"}
+    kind : {"home", "meet", "pursue", "link", "wait"}
         What for.
     why : str
         Why now, in words, for the record.

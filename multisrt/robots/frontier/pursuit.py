@@ -288,7 +288,7 @@ class Pursuit:
             centres = np.array([raster.centre_of(*cell) for cell in near if cell is not None])
             way_m = field.distance(indices_of(raster, centres))
             if self._homing is not None:
-                way_m = self._homing.only_in_time(self._course, centres, way_m)
+                way_m = self._homing.only_fitting(self._course, centres, way_m)
         since_now_s = self._course.time_s - since_s
         arrivals[usable] = (since_now_s + way_m / self._speed_m_s) / self._options.pursue_step_s
         return arrivals

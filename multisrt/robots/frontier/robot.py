@@ -122,6 +122,7 @@ class FrontierRobot:
                 self.team,
                 self.path_finder,
                 self.bodies,
+                self.frontiers,
             )
         )
         self.pursuit = (
@@ -195,7 +196,7 @@ class FrontierRobot:
         """Return the indices of the cells of places, ``(k, 2)``; see `fields.indices_of`."""
         return indices_of(self.raster, places)
 
-    def costs_in_time(self, field: DistanceField, places: FloatArray) -> FloatArray:
+    def fitting_costs(self, field: DistanceField, places: FloatArray) -> FloatArray:
         """Return the lengths of the robot's paths to places that it may choose.
 
         Parameters
@@ -208,13 +209,13 @@ class FrontierRobot:
         Returns
         -------
         (m,) array
-            Metres; ``inf`` where there is no path, or no time to go there and home again (see
-            `FrontierHoming.in_time`).
+            Metres; ``inf`` where there is no path, no time to go there and home again, or no chain
+            of relays (see `FrontierHoming.only_fitting`).
         """
         costs_m = field.distance(self.indices_of(places))
         if self.homing is None:
             return costs_m
-        return self.homing.only_in_time(self.course, places, costs_m)
+        return self.homing.only_fitting(self.course, places, costs_m)
 
     def goal_at(self, field: DistanceField, x: float, y: float) -> Goal:
         """Return a place as a goal, with the path to it; see `PathFinder.goal_at`."""
@@ -232,7 +233,7 @@ class FrontierRobot:
         self.look_closer(field)
         targets = self.targets()
         if self.homing is not None:
-            return bool(np.isfinite(self.costs_in_time(field, targets)).any())
+            return bool(np.isfinite(self.fitting_costs(field, targets)).any())
         return len(targets) > 0 and field.first(self.indices_of(targets)) is not None
 
     # The goal -----------------------------------------------------------------------------

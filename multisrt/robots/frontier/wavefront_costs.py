@@ -127,7 +127,7 @@ class WavefrontCosts:
         self._in_time: BoolArray | None = None
         if self.field is None or self.robot.homing is None:
             return
-        costs = self.robot.costs_in_time(self.field, self.targets)
+        costs = self.robot.fitting_costs(self.field, self.targets)
         self._in_time = np.isfinite(costs)
         if whole:
             self.costs[self.row] = costs

@@ -19,20 +19,27 @@ EXCHANGE_MESSAGES: Final = 4
 
 
 class HomingOptions(HomeOptions, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Parameters of robots that can also go in pairs: those of `HomeOptions`, and of pairs.
+    """Parameters of robots that can also go in pairs or chains: those of `HomeOptions`, and these.
 
     Attributes
     ----------
     home_period_s : float
         "relays": minimum time in seconds between two meetings of a pair.
+    home_link : float
+        "chain": maximum length of a link between two relays, as a share of the radio's range.
     """
 
     home_period_s: float = 60.0
+    home_link: float = 0.9
 
     def __post_init__(self) -> None:
         super().__post_init__()
         if not 0.0 < self.home_period_s < math.inf:
             raise InvalidInputError(f"home_period_s is {self.home_period_s}; it must be positive")
+        if not 0.0 < self.home_link <= 1.0:
+            raise InvalidInputError(
+                f"home_link is {self.home_link}; it must be above 0 and at most 1"
+            )
 
 
 def require_home(spec: RunSpec, kind: type[msgspec.Struct], options: Mapping[str, object]) -> None:
@@ -50,7 +57,8 @@ def require_home(spec: RunSpec, kind: type[msgspec.Struct], options: Mapping[str
     Raises
     ------
     InvalidInputError
-        If it has no base station; or, for "relays", a single robot.
+        If it has no base station; for "relays" or "chain", a single robot; or for "chain" a radio
+        that relays no messages.
 
     Examples
     --------
@@ -72,6 +80,16 @@ station to bring news to: give its place, base=(x, y) or --base X,Y
         raise InvalidInputError(
             f"option home={home!r} of {spec.strategy} needs a base station to bring news to: "
             "give its place, base=(x, y) or --base X,Y"
+        )
+    if home == "chain" and len(spec.robots) == 1:
+        raise InvalidInputError(
+            f"option home='chain' of {spec.strategy} needs robots that stand as relays, and there "
+            "is one robot: give more, or home='in-time'"
+        )
+    if home == "chain" and not spec.radio.multi_hop:
+        raise InvalidInputError(
+            f"option home='chain' of {spec.strategy} needs a radio by which robots relay messages: "
+            "set multi_hop to true, or give home='relays'"
         )
     if home == "relays" and len(spec.robots) == 1:
         raise InvalidInputError(

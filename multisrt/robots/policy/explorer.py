@@ -153,7 +153,7 @@ class PendingDecision:
                 cell = robot.raster.passable_near(x, y, NEAR_BY_CELLS)
                 if cell is not None:
                     place = robot.raster.centre_of(*cell)
-                    if np.isfinite(robot.costs_in_time(field, np.array([place]))[0]):
+                    if np.isfinite(robot.fitting_costs(field, np.array([place]))[0]):
                         self.was_valid = True
                         return robot.goal_at(field, *place)
             self.was_valid = False

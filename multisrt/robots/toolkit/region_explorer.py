@@ -331,7 +331,7 @@ class RegionExplorer(ABC):
         ]
         if usable:
             places = np.array([standing[k] for k in usable])
-            found[usable] = self._robot.costs_in_time(field, places)
+            found[usable] = self._robot.fitting_costs(field, places)
         return found
 
     def _leads(self, field: DistanceField, place: Place) -> bool:

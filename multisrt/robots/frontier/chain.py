@@ -20,7 +20,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Sequence
-from itertools import pairwise
+from itertools import pairwise, takewhile
 
 import numpy as np
 
@@ -167,8 +167,8 @@ class Chain:
         return np.where(reached, costs_m, np.inf)
 
     def _reaches(self, place: Place) -> bool:
-        links = self._team.links if self.is_front else self._told()
-        anchors = [self._base, *(link.place for link in links or ())]
+        links = self._standing() if self.is_front else self._told() or ()
+        anchors = [self._base, *(link.place for link in links)]
         if any(self.linked(np.array([place]), anchor)[0] for anchor in anchors):
             return True
         if not self.is_front:
@@ -176,6 +176,11 @@ class Chain:
         if math.dist(place, self._base) > self._link_m * (len(self._relays) + 1):
             return False
         return self._places_for(place) is not None
+
+    def _standing(self) -> tuple[ChainLink, ...]:
+        """Return the links that the front told, up to the first whose robot is lost."""
+        relays = self._relays
+        return tuple(takewhile(lambda link: link.robot in relays, self._team.links or ()))
 
     def _places_for(self, place: Place) -> tuple[Place, ...] | None:
         """Return where relays stand for a goal; None if there are too few, or no way is known."""
@@ -189,7 +194,7 @@ class Chain:
             self._base,
             self.linked,
             max_relays=len(self._relays),
-            kept=[link.place for link in self._team.links or ()],
+            kept=[link.place for link in self._standing()],
             clear_of=self._course.at[:2],
             clear_m=CLEAR_M,
         )

@@ -4,6 +4,7 @@ import itertools
 import math
 import re
 
+import msgspec
 import numpy as np
 import pytest
 import shapely
@@ -11,7 +12,17 @@ import shapely
 from multisrt.analysis.measuring import measure
 from multisrt.environments.environment import Environment
 from multisrt.events import BaseLearned, Decided, Ended, Motion, NodeAdded, PresumedLost
+from multisrt.geometry.bodies.footprint import Footprint
+from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.regions.edge_index import EdgeIndex
+from multisrt.geometry.regions.scan import take_scan
+from multisrt.planners.motion.kinematics import Differential
+from multisrt.robots.explorer import RadioSelf, RobotSelf
+from multisrt.robots.frontier.goal import Goal
+from multisrt.robots.frontier.messages import ChainLink, ReportMessage
+from multisrt.robots.frontier.options import FrontierOptions
+from multisrt.robots.frontier.robot import FrontierRobot
 from multisrt.robots.homing.options import HomingOptions
 from multisrt.robots.registry import strategy
 from multisrt.simulation.simulate import simulate
@@ -234,3 +245,125 @@ def test_what_a_chain_needs_is_asked_for_in_one_line(robots, base, radio, match)
 def test_a_link_is_a_share_of_the_range(share):
     with pytest.raises(InvalidInputError, match="home_link"):
         HomingOptions(home_link=share)
+
+
+# Parts -------------------------------------------------------------------------------------------
+
+
+def member(number):
+    """A robot of three at x = 3 + its number that has seen the corridor up to x = 33."""
+    me = RobotSelf(
+        robot=number,
+        start=Configuration(3.0 + number, 1.2, 0.0),
+        footprint=Footprint.disc(0.25),
+        kinematics=Differential(speed_m_s=0.5, turn_rate_rad_s=math.pi / 2),
+        range_m=4.0,
+        rng=np.random.default_rng(1),
+        team=3,
+        base=(1.0, 1.2),
+        radio=RadioSelf(range_m=RANGE_M, reaches_all=False),
+        limit_s=600.0,
+    )
+    robot = FrontierRobot(me, FrontierOptions(home="chain"))
+    index = EdgeIndex(CORRIDOR.edges, 1.5)
+    for x in np.arange(1.0, 29.1, 0.5):
+        robot.map.add(take_scan(index, Configuration(x, 1.2, 0.0), x, 4.0))
+    return robot
+
+
+def report_of(robot, number, place, links=None):
+    return msgspec.structs.replace(
+        robot.team.own_report(), robot=number, place=(*place, 0.0), links=links
+    )
+
+
+def goal_at(x):
+    return Goal(x, 1.2, np.array([(3.0, 1.2), (x, 1.2)]), x - 3.0)
+
+
+def test_the_front_calls_the_nearest_and_lets_go_who_is_not_needed():
+    front = member(0)
+    for number, x in ((1, 4.0), (2, 5.0)):
+        front.team.mates.take(report_of(front, number, (x, 1.2)))
+    chain = front.homing.chain
+    assert chain.is_front
+    # To x = 24, 23 m from the base station: relays at 10 and 19, of which robot 2 is nearest to the
+    # first.
+    wait = chain.call(goal_at(24.0))
+    assert wait.kind == "wait"
+    assert [link.robot for link in front.team.links] == [2, 1]
+    assert [link.place[0] for link in front.team.links] == pytest.approx([10.0, 19.0], abs=0.3)
+    # To x = 15, one relay: it stays the same.
+    chain.call(goal_at(15.0))
+    assert [link.robot for link in front.team.links] == [2]
+    # To x = 8 none.
+    assert chain.call(goal_at(8.0)) is None
+    assert front.team.links == ()
+    chain.let_go()
+    assert front.team.links is None
+
+
+def test_the_front_goes_where_its_relays_are_enough_for():
+    front = member(0)
+    front.team.mates.take(report_of(front, 1, (4.0, 1.2)))
+    places = np.array([(9.0, 1.2), (18.0, 1.2), (20.0, 1.2)])
+    costs = np.array([6.0, 15.0, 17.0])
+    # One relay: 9 m, and 9 m more.
+    found = front.homing.chain.only_in_reach(places, costs)
+    assert np.isfinite(found).tolist() == [True, True, False]
+    front.team.mates.note_lost(1, 1.0)
+    found = front.homing.chain.only_in_reach(places, costs)
+    assert np.isfinite(found).tolist() == [True, False, False]
+
+
+def test_the_others_go_where_the_base_station_or_a_relay_hears_them():
+    other = member(1)
+    link = ChainLink(robot=2, place=(10.0, 1.2))
+    places = np.array([(9.0, 1.2), (18.0, 1.2), (20.0, 1.2)])
+    costs = np.array([6.0, 15.0, 17.0])
+    for links, reached in (((), [True, False, False]), ((link,), [True, True, False])):
+        other.team.mates.take(report_of(other, 0, (12.0, 1.2), links))
+        found = other.homing.chain.only_in_reach(places, costs)
+        assert np.isfinite(found).tolist() == reached
+
+
+def test_a_relay_stops_when_it_is_called_and_when_it_is_let_go():
+    relay = member(1)
+    link = ChainLink(robot=1, place=(10.0, 1.2))
+    for k, (links, at) in enumerate((((), None), ((link,), (10.0, 1.2)), ((), None))):
+        relay.team.requests.link = False
+        report = msgspec.structs.replace(report_of(relay, 0, (12.0, 1.2), links), said=k)
+        message = ReportMessage(sender=0, reports=(report,))
+        assert list(relay.team._take_reports(message)) is not None
+        assert relay.team.requests.link is (k > 0)
+        assert relay.homing.chain.own_link == at
+        errand = relay.homing.chain.follow()
+        assert (errand is None) is (at is None)
+
+
+def test_who_does_not_hear_the_front_for_long_takes_it_as_lost():
+    relay = member(1)
+    link = ChainLink(robot=1, place=(10.0, 1.2))
+    relay.team.mates.take(report_of(relay, 0, (12.0, 1.2), (link,)))
+    chain = relay.homing.chain
+    errand = chain.follow()
+    assert errand.waits_until_s(10.0) == 40.0
+    relay.course.time_s = 29.0
+    assert chain.note_unheard() is None
+    relay.course.time_s = 40.0
+    assert chain.note_unheard() == 0
+    assert errand.is_over()
+    assert chain.is_front
+
+
+def test_a_robot_that_is_late_three_times_is_not_called_again():
+    front = member(0)
+    front.team.mates.take(report_of(front, 1, (4.0, 1.2)))
+    chain = front.homing.chain
+    for late in range(1, 4):
+        assert front.homing.fits(front.course, goal_at(15.0)), late
+        assert chain.call(goal_at(15.0)) is not None
+        # It was heard, and is not lost.
+        assert chain.note_in_vain() == []
+    assert not front.homing.fits(front.course, goal_at(15.0))
+    assert front.homing.fits(front.course, goal_at(8.0))

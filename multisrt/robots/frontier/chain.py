@@ -234,7 +234,7 @@ class Chain:
         named = ", ".join(str(link.robot) for link in late)
         return Errand(
             kind="wait",
-            why=f"{'robots' if len(late) > 1 else 'robot'} {named} to come to "
+            why=f"for {'robots' if len(late) > 1 else 'robot'} {named} to come to "
             f"{'their places' if len(late) > 1 else 'its place'}",
             goal=Goal(*here, np.array([here]), 0.0),
             is_over=lambda: not self._not_in_place(),

@@ -22,17 +22,20 @@ def errand_now(robot: FrontierRobot) -> Errand | None:
     found = None if robot.homing is None else news_errand(robot, robot.homing)
     if found is not None or robot.pursuit is None or robot.team.requests.meet:
         return found
+    if robot.homing is not None and robot.homing.chain is not None:
+        # Who goes after a mate breaks the chain.
+        return None
     return robot.pursuit.errand()
 
 
 def news_errand(robot: FrontierRobot, homing: FrontierHoming) -> Errand | None:
     """Return the errand that brings news home, or to the mate of the pair that does."""
+    robot.team.requests.link = False
     why = homing.reason(robot.course) if robot.team.carries else None
     if why is not None:
         robot.team.requests.meet = False
         return homing.errand(robot.course, why)
     if homing.chain is not None:
-        robot.team.requests.link = False
         return homing.chain.follow()
     pair = homing.pair
     if robot.team.requests.meet or not homing.meets_now(robot.course):

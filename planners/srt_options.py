@@ -5,15 +5,16 @@ from __future__ import annotations
 import math
 from typing import Literal
 
-import msgspec
-
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.regions.shapes import CONTACT_TOLERANCE_M, MIN_CONES
+from multisrt.planners.home_options import HomeOptions
 from multisrt.planners.motion.margin import MIN_MARGIN_M
 
 
-class SrtOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class SrtOptions(HomeOptions, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Parameters of an SRT explorer, with the paper's names where it has any.
+
+    Those of `HomeOptions` come first.
 
     Attributes
     ----------
@@ -72,6 +73,7 @@ class SrtOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
         return width_m if self.d_min_m is None else self.d_min_m
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         for name, ok, allowed in (
             ("alpha", 0.0 < self.alpha <= 1.0, "above 0 and at most 1"),
             ("max_draws", self.max_draws >= 1, "at least 1"),

@@ -263,7 +263,8 @@ def lost_areas_m2(proof: Evidence, covered: Coverage) -> tuple[float, tuple[floa
     Returns
     -------
     lost_m2 : float
-        Area that robots saw which died, and that no survivor saw or knows at the end.
+        Area that robots saw which died, and that no survivor saw or knows at the end, nor the base
+        station, if there is one.
     by_robot_m2 : tuple of float
         The part of it that each robot saw; 0 for survivors. Area that two of the dead saw counts
         for both.
@@ -279,6 +280,7 @@ def lost_areas_m2(proof: Evidence, covered: Coverage) -> tuple[float, tuple[floa
     for robot in survivors:
         known.update(dict.fromkeys(proof.scans_of(robot)))
         known.update(dict.fromkeys(sorted(proof.known_to(robot, math.inf))))
+    known.update(dict.fromkeys(region for _, region in proof.delivered))
     proof.regions.relabel(plane, [[OUTSIDE, kept, kept, kept]], list(known))
     table = [[OUTSIDE, lost, kept, lost]]
     by_robot = [0.0] * len(robots)

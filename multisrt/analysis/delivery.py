@@ -53,6 +53,10 @@ class Delivery:
         """Return when a share of the explorable area was delivered (s); None if it never was."""
         return time_to(share, self.times_s, self.delivered_m2, self.explorable_m2)
 
+    def times_by_percent(self) -> tuple[float | None, ...]:
+        """Return when each percent was delivered, from 0 to 100 (s); None if it never was."""
+        return (0.0, *(self.time_to(percent / 100) for percent in range(1, 101)))
+
     def age_s(self, covered: Coverage, end_s: float) -> float | None:
         """Return the mean time between the covering and the delivery of an area, in seconds.
 

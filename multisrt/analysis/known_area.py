@@ -1,4 +1,7 @@
-"""The area that only one robot of a team knew, and that would have been lost with it."""
+"""The area that only one robot of a team knew, and that would have been lost with it.
+
+What the base station knows, if there is one, is not lost with any robot.
+"""
 
 from __future__ import annotations
 
@@ -37,8 +40,8 @@ def area_known_to_one(recording: Recording, environment: Environment | None = No
 
     A robot knows the regions of the nodes that it made and of those that it learned of, as far as
     they were seen and are explorable; a robot that notes no node knows its own scans. A robot that
-    dies knows nothing any more. The area changes only at events, so that the integral over time is
-    exact.
+    dies knows nothing any more. What the base station knows as well does not count. The area
+    changes only at events, so that the integral over time is exact.
 
     Parameters
     ----------
@@ -77,9 +80,11 @@ def known_to_one(proof: Evidence, covered: Coverage, until_s: float) -> KnownToO
     The final areas are those at the end of the run.
     """
     robots = len(proof.recording.spec.robots)
-    ledger = _Ledger(proof, covered, robots)
+    # The base station knows what it learned like one more robot, under the number after the last.
+    has_base = proof.recording.spec.base is not None
+    ledger = _Ledger(proof, covered, robots + has_base)
     integral_m2s: FloatArray | None = None
-    for time_s, robot, region in proof.knowledge:
+    for time_s, robot, region in _news(proof, robots):
         if time_s > until_s and integral_m2s is None:
             ledger.settle(until_s)
             integral_m2s = ledger.integral_m2s.copy()
@@ -92,8 +97,18 @@ def known_to_one(proof: Evidence, covered: Coverage, until_s: float) -> KnownToO
         integral_m2s = ledger.integral_m2s.copy()
     ledger.settle(max(until_s, proof.recording.footer.time_s))
     return KnownToOne(
-        integral_m2s=tuple(integral_m2s.tolist()), final_m2=tuple(ledger.alone_m2.tolist())
+        integral_m2s=tuple(integral_m2s.tolist()[:robots]),
+        final_m2=tuple(ledger.alone_m2.tolist()[:robots]),
     )
+
+
+def _news(proof: Evidence, base: int) -> list[tuple[float, int, int | None]]:
+    """Return who came to know which region, in the order of time."""
+    news: list[tuple[float, int, int | None]] = [*proof.knowledge]
+    if proof.delivered:
+        news += [(time_s, base, region) for time_s, region in proof.delivered]
+        news.sort(key=lambda one: one[0])
+    return news
 
 
 class _Ledger:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -21,7 +21,7 @@ from multisrt.analysis.coverage import (
     known_complete_s,
     lost_areas_m2,
 )
-from multisrt.analysis.delivery import delivery, mean_s
+from multisrt.analysis.delivery import Delivery, delivery, mean_s
 from multisrt.analysis.evidence import Evidence, evidence
 from multisrt.analysis.explorable import Explorable, explorable, viewers
 from multisrt.analysis.given_up import given_up_m2
@@ -100,16 +100,32 @@ def measure(
     >>> later.coverage_integral_s >= metrics.coverage_integral_s
     True
     """
-    return measure_with_curve(recording, environment, horizon_s=horizon_s, witnesses=witnesses)[0]
+    return measure_with_curves(recording, environment, horizon_s=horizon_s, witnesses=witnesses)[0]
 
 
-def measure_with_curve(
+class Curves(NamedTuple):
+    """How the coverage of a run grew.
+
+    Attributes
+    ----------
+    covered_at_s : tuple of (float or None)
+        When each percent of the explorable area was covered, from 0 to 100 (s); None if it never
+        was.
+    delivered_at_s : tuple of (float or None)
+        The same of what the base station knew; empty without one.
+    """
+
+    covered_at_s: tuple[float | None, ...]
+    delivered_at_s: tuple[float | None, ...] = ()
+
+
+def measure_with_curves(
     recording: Recording,
     environment: Environment | None = None,
     *,
     horizon_s: float | None = None,
     witnesses: bool = False,
-) -> tuple[Metrics, tuple[float | None, ...]]:
+) -> tuple[Metrics, Curves]:
     """Measure a run, and how its coverage grew.
 
     Parameters
@@ -121,8 +137,8 @@ def measure_with_curve(
     -------
     metrics : Metrics
         What is measured.
-    covered_at_s : tuple of (float or None)
-        When each percent of the explorable area was covered, from 0 to 100; None if it never was.
+    curves : Curves
+        When each percent of the explorable area was covered, and delivered.
     """
     if horizon_s is None:
         horizon_s = recording.footer.time_s
@@ -135,19 +151,21 @@ def measure_with_curve(
     what = explorable(environment, viewers(recording.spec, recording.starts))
     proof = evidence(recording, environment, what)
     covered = coverage(proof)
+    delivered = delivery(proof, covered)
     metrics = Metrics(
         **_time(proof, covered),
         **_distance(recording),
         **_area(proof, covered, environment, horizon_s),
         **_knowledge(proof, covered, horizon_s),
-        **_base(proof, covered, horizon_s),
+        **_base(delivered, covered, horizon_s),
         **_isolation(recording, environment),
         **_radio(recording),
         **_effort(recording),
         **_safety(recording, environment),
         **_bounds(recording, environment, what, covered, witnesses=witnesses),
     )
-    return metrics, covered.times_by_percent()
+    at_base = () if delivered is None else delivered.times_by_percent()
+    return metrics, Curves(covered.times_by_percent(), at_base)
 
 
 def waiting_times(recording: Recording) -> tuple[float, ...]:
@@ -236,8 +254,7 @@ def _knowledge(proof: Evidence, covered: Coverage, horizon_s: float) -> dict[str
     }
 
 
-def _base(proof: Evidence, covered: Coverage, horizon_s: float) -> dict[str, Any]:
-    delivered = delivery(proof, covered)
+def _base(delivered: Delivery | None, covered: Coverage, horizon_s: float) -> dict[str, Any]:
     if delivered is None:
         return {}
     return {

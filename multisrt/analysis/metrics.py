@@ -90,13 +90,13 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
     frontier_left_m : float
         Length of the frontier left open at the end.
     lost_area_m2 : float
-        Explorable area that only robots which died saw, and that no robot that lives on knows at
-        the end.
+        Explorable area that only robots which died saw, and that neither a robot that lives on nor
+        the base station knows at the end.
     lost_area_by_robot_m2 : tuple of float
         The part of it that each robot saw; what two of the dead saw counts for both.
     known_to_one_m2s : float
-        Time integral of the area that only one robot knew (m2 s), up to the horizon: what its loss
-        would have cost.
+        Time integral of the area that only one robot knew, and not the base station (m2 s), up to
+        the horizon: what its loss would have cost.
     known_to_one_by_robot_m2s : tuple of float
         The same for each robot.
     known_to_one_m2 : float

@@ -208,7 +208,7 @@ Exit code:
     "--base",
     metavar="X,Y",
     help="A base station (m), which robots reach by radio; measures tell what it knows. They go "
-    "there with --option home=in-time, worth or relays.",
+    "there with --option home=in-time, worth, relays or chain.",
 )
 @world_options
 @out_folder("the results", "runs/ENV-STRATEGY-SEED, with a number if it exists")

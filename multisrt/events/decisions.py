@@ -55,7 +55,8 @@ class Decision(Event, frozen=True, kw_only=True, tag="decision"):
     refused : dict of str to int
         Numbers of refused candidates, of both stages, by reason: `no room`, `near a node`,
         `in another region`, `no way for the car`, `blocked by a robot` (the path there passes too
-        near to a body that the robot plans around; see `ArcClosed`).
+        near to a body that the robot plans around; see `ArcClosed`), `no time` (to go there and
+        home again before the time limit).
     candidates : tuple of (x, y, reason)
         The refused candidates, of both stages, in the order in which they were refused.
     gpr, ger : tuple of int

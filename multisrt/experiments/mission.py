@@ -11,7 +11,7 @@ from pathlib import Path
 
 import msgspec
 
-from multisrt.analysis.measuring import measure_with_curve
+from multisrt.analysis.measuring import Curves, measure_with_curves
 from multisrt.analysis.metrics import SUCCESS_COVERAGE, Metrics
 from multisrt.environments.environment import Environment
 from multisrt.experiments.crossing import PlannedRun
@@ -76,12 +76,12 @@ def make_run(
     status: Status
     recording: Recording | None = None
     metrics: Metrics | None = None
-    curve: tuple[float | None, ...] = ()
+    curves = Curves(())
     try:
         with nullcontext() if limits is None else within(limits):
             where = world_of(run.spec.environment)
             recording = simulate(run.spec, where)
-            metrics, curve = measure_with_curve(recording, where, horizon_s=horizon_s)
+            metrics, curves = measure_with_curves(recording, where, horizon_s=horizon_s)
             # A value that JSON cannot hold, such as infinity, is an error of this run.
             metrics = msgspec.json.decode(msgspec.json.encode(metrics), type=Metrics)
         status, reason = recording.footer.outcome, recording.footer.reason
@@ -89,7 +89,7 @@ def make_run(
         raise
     except BaseException as error:  # strategies may raise anything
         status, reason = _what_went_wrong(error, limits)
-        recording, metrics, curve = None, None, ()
+        recording, metrics, curves = None, None, Curves(())
     result = Result(
         key=run.key,
         condition=run.condition,
@@ -101,7 +101,8 @@ def make_run(
         horizon_s=None if metrics is None else horizon_s,
         success_coverage=success_coverage,
         chance=recording is None or recording.footer.chance,
-        covered_at_s=curve,
+        covered_at_s=curves.covered_at_s,
+        delivered_at_s=curves.delivered_at_s,
         computing_s=time.process_time() - computed_s,
         wall_s=time.perf_counter() - begin,
         memory_mb=peak_memory_mb(),

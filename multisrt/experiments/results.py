@@ -59,6 +59,8 @@ class Result(msgspec.Struct, frozen=True, kw_only=True):
     covered_at_s : tuple of (float or None)
         Simulated time (s) at which 0, 1, ..., 100 % of the explorable area were covered; None
         where that never happened.
+    delivered_at_s : tuple of (float or None)
+        The same of what the base station knew; empty without one.
     reference : Reference or None
         What the informed plan took with the same team from the same starts; None without one.
     no_reference : str
@@ -91,6 +93,7 @@ class Result(msgspec.Struct, frozen=True, kw_only=True):
     chance: bool = True
     same_as: int | None = None
     covered_at_s: tuple[float | None, ...] = ()
+    delivered_at_s: tuple[float | None, ...] = ()
     reference: Reference | None = None
     no_reference: str = ""
     computing_s: float = 0.0

@@ -16,10 +16,17 @@ _LABELS = Condition.__struct_fields__
 _FIELDS = tuple(
     name
     for name in Result.__struct_fields__
-    if name not in ("condition", "success_coverage", "reference", "no_reference")
+    if name not in ("condition", "success_coverage", "reference", "no_reference", "delivered_at_s")
 )
 COLUMNS = ("position", *_LABELS, *_FIELDS)
 """Names of the columns."""
+
+
+class _Curves(msgspec.Struct, frozen=True, kw_only=True):
+    """What stands in the column `covered_at_s` of a run with a base station."""
+
+    covered: tuple[float | None, ...]
+    delivered: tuple[float | None, ...] = ()
 
 
 def row_of(result: Result, position: int) -> tuple[Any, ...]:
@@ -40,6 +47,10 @@ def row_of(result: Result, position: int) -> tuple[Any, ...]:
     values = {name: getattr(result.condition, name) for name in _LABELS}
     values |= {name: getattr(result, name) for name in Result.__struct_fields__}
     values["position"] = position
+    if result.delivered_at_s:
+        values["covered_at_s"] = _Curves(
+            covered=result.covered_at_s, delivered=result.delivered_at_s
+        )
     for name in ("metrics", "covered_at_s"):
         if values[name] is not None:
             values[name] = msgspec.json.encode(values[name]).decode()
@@ -73,11 +84,15 @@ def result_of(path: Path, row: tuple[Any, ...], success_coverage: float) -> Resu
     condition = Condition(**{label: given.pop(label) for label in _LABELS})
     try:
         metrics, curve = given.pop("metrics"), given.pop("covered_at_s")
+        curves = msgspec.json.decode(curve, type=tuple[float | None, ...] | _Curves)
+        if not isinstance(curves, _Curves):
+            curves = _Curves(covered=curves)
         chance = bool(given.pop("chance"))
         return Result(
             condition=condition,
             metrics=None if metrics is None else msgspec.json.decode(metrics, type=Metrics),
-            covered_at_s=msgspec.json.decode(curve, type=tuple[float | None, ...]),
+            covered_at_s=curves.covered,
+            delivered_at_s=curves.delivered,
             chance=chance,
             success_coverage=success_coverage,
             **given,

@@ -108,7 +108,8 @@ class _BidStory(ChoiceStory[GoalChosen]):
     def goal(self) -> Iterator[str]:
         choice = self.choice
         if choice.goal is None:
-            yield "no goal: there is none that it can reach"
+            in_time = " and come home from in time" if self.brings_home else ""
+            yield f"no goal: there is none that it can reach{in_time}"
             return
         number = self._chosen()
         which = "" if number is None else f"frontier {number}, "

@@ -18,6 +18,7 @@ class Colours {
     for (const name of ["paper", "ink", "soft", "line", "tint", "link", "solid", "wall", "free", "seen", "frontier", "message", "radio", "halo"]) {
       this[name] = style.getPropertyValue(`--${name}`).trim();
     }
+    this.delivered = mixed(this.free, this.ink, this.isDark ? 0.55 : 0.6);
     this.whenChanged();
   }
 

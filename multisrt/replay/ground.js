@@ -1,7 +1,7 @@
 // What is drawn below the marks: the world, and pictures of what changes only when something is
 // found: what was seen, safe regions, trees, paths, the frontier.
 
-const BELOW_WALLS = ["seen", "regions"];
+const BELOW_WALLS = ["seen", "regions", "delivered"];
 const ABOVE_WALLS = ["paths", "bridges", "trees", "frontier"];
 
 class Ground {
@@ -16,6 +16,7 @@ class Ground {
     const legs = legsOf(run, robot), bridges = bridgesOf(run, robot);
     return {
       seen: new Growing(scans, (c, k, camera) => this.paintSeen(c, scans.rows[k], camera)),
+      delivered: new Growing(run.delivered, (c, k, camera) => this.paintDelivered(c, run.delivered.nodes[k], camera)),
       regions: new Growing(known, (c, k, camera) => this.paintRegion(c, known.nodes[k], camera)),
       paths: new Growing(legs, (c, k, camera) => this.paintLeg(c, legs.robot[k], legs.to[k], camera)),
       bridges: new Growing(bridges, (c, k, camera) => this.paintBridge(c, bridges.rows[k], camera)),
@@ -120,6 +121,27 @@ class Ground {
     context.lineWidth = camera.px(0.7);
     context.fill();
     context.stroke();
+  }
+
+  // Hatched in one colour without transparency, so that regions that overlap look like one.
+  paintDelivered(context, node, camera) {
+    const { run, player } = this.view;
+    context.beginPath();
+    this.outline(context, run.nodes.region, node, camera);
+    context.fillStyle = this.hatching(context, camera, player.colours.delivered);
+    context.fill();
+  }
+
+  hatching(context, camera, colour) {
+    const size = Math.max(4, Math.round(camera.px(7))), key = `${size} ${colour}`;
+    if (this.hatchedAs !== key) {
+      const tile = make("canvas", { width: size, height: size }), c = tile.getContext("2d");
+      c.fillStyle = colour;
+      // Two steps of one pixel a row: an edge that is the same wherever tiles meet.
+      for (let row = 0; row < size; row++) c.fillRect(size - 1 - row, row, Math.max(1, Math.round(camera.px(1))), 1);
+      [this.hatchedAs, this.hatched] = [key, context.createPattern(tile, "repeat")];
+    }
+    return this.hatched;
   }
 
   paintLeg(context, robot, to, camera) {

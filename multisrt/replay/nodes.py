@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from multisrt.analysis.scans import scanned_regions
-from multisrt.events import Learned, NodeAdded, NodeName, Pose, Sensed
+from multisrt.events import BaseLearned, Learned, NodeAdded, NodeName, Pose, Sensed
 from multisrt.explain.terms import stage_name
 from multisrt.geometry.numerics.kernel import FloatArray, IntArray
 from multisrt.recording import Recording
@@ -103,6 +103,19 @@ def packed_learned(recording: Recording, names: Names) -> Packed:
     return {
         "t": whole([event.time_s for event in learned], UNIT_S),
         "robot": [event.robot for event in learned],
+        "nodes": lists(
+            sorted(numbers[name] for name in event.nodes if name in numbers) for event in learned
+        ),
+    }
+
+
+def packed_delivered(recording: Recording, names: Names) -> Packed | None:
+    """Pack which nodes the base station learned of, and when; None if there is none."""
+    if recording.spec.base is None:
+        return None
+    learned, numbers = recording.of(BaseLearned), names.numbers
+    return {
+        "t": whole([event.time_s for event in learned], UNIT_S),
         "nodes": lists(
             sorted(numbers[name] for name in event.nodes if name in numbers) for event in learned
         ),

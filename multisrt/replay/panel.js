@@ -10,6 +10,7 @@ const LAYERS = [
   ["truth", "World (truth)"],
   ["seen", "Seen by scans"],
   ["regions", "Safe regions"],
+  ["delivered", "Known to the base"],
   ["trees", "Trees"],
   ["bridges", "Bridges"],
   ["paths", "Paths"],

@@ -22,7 +22,13 @@ from multisrt.recording import Recording
 from multisrt.replay.conditions import conditions, deaths, with_labels
 from multisrt.replay.event_text import packed_explanations, packed_log
 from multisrt.replay.moving import packed_bridges, packed_goals, packed_robots
-from multisrt.replay.nodes import Names, packed_learned, packed_nodes, packed_scans
+from multisrt.replay.nodes import (
+    Names,
+    packed_delivered,
+    packed_learned,
+    packed_nodes,
+    packed_scans,
+)
 from multisrt.replay.packing import UNIT_M, UNIT_S, Packed, points, whole
 from multisrt.replay.team import (
     packed_arcs,
@@ -165,6 +171,7 @@ def _packed_run(recording: Recording) -> Packed:
         "base": None if spec.base is None else [round(c / UNIT_M) for c in spec.base.place],
         "robots": packed_robots(recording),
         "learned": packed_learned(recording, names),
+        "delivered": packed_delivered(recording, names),
         "goals": packed_goals(recording),
         "bridges": packed_bridges(recording, names),
         "messages": packed_messages(recording),

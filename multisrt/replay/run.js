@@ -2,6 +2,16 @@
 
 const TEAM = -1; // the map of all robots together
 
+// The nodes that the base station knew and since when, in this order.
+function deliveredOf(packed) {
+  if (!packed) return { nodes: [], t: new Float64Array() };
+  const times = running(packed.t, 1000), nodes = [], t = [];
+  unpackLists(packed.nodes).forEach((own, row) => {
+    for (const node of own) [nodes[nodes.length], t[t.length]] = [node, times[row]];
+  });
+  return { nodes, t: Float64Array.from(t) };
+}
+
 class Run {
   constructor(packed) {
     this.packed = packed;
@@ -24,6 +34,7 @@ class Run {
   unpackKnowledge(packed) {
     const { learned, scans, goals, bridges, arcs } = packed;
     this.learned = { t: running(learned.t, 1000), robot: learned.robot, nodes: unpackLists(learned.nodes) };
+    this.delivered = deliveredOf(packed.delivered);
     this.scans = null;
     if (scans) {
       this.scans = { t: running(scans.t, 1000), robot: scans.robot, node: whole(scans.node), region: unpackPoints(scans.region) };

@@ -12,6 +12,7 @@ const SYMBOLS = [
   ["truth", "free space, obstacle, wall", (s) => s.box(s.colours.free, s.colours.wall, s.colours.solid)],
   ["seen", "seen by a scan", (s) => s.box(s.colours.seen)],
   ["regions", "safe region, in the colour of the robot that was there first", (s) => s.box(s.area)],
+  ["delivered", "known to the base station", (s) => s.box(s.colours.free).hatch(s.colours.delivered), false, true],
   ["trees", "edge of a tree, with a node", (s) => s.line(s.line1, 2).dot(22, 3.2, s.line1)],
   ["trees", "root of a tree", (s) => s.square(16, 4.5, s.line1)],
   ["bridges", "path between two nodes that no edge joins", (s) => s.line(s.line1, 1.8, [1.5, 2.5])],
@@ -55,6 +56,22 @@ class Sample {
     this.body = colours.bodyOf(runs[0], 0);
     this.c.clearRect(0, 0, SAMPLE_WIDTH, SAMPLE_HEIGHT);
     symbol(this);
+  }
+
+  hatch(colour) {
+    const { c } = this;
+    c.save();
+    c.beginPath();
+    c.rect(2, 2, 28, 14);
+    c.clip();
+    c.beginPath();
+    for (let x = 9; x < 44; x += 7) {
+      c.moveTo(x, 2);
+      c.lineTo(x - 14, 16);
+    }
+    this.stroke(colour, 1);
+    c.restore();
+    return this;
   }
 
   stroke(colour, width, dashes = []) {

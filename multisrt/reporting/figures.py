@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import math
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 
+from multisrt.analysis.metrics import Metrics
 from multisrt.drawing.colours import INK
 from multisrt.drawing.looks import look_of
 from multisrt.experiments.crossing import Condition
 from multisrt.experiments.measures import Measure
+from multisrt.experiments.results import Result
 from multisrt.extras import extra
 from multisrt.reporting.layout import number, slug
 from multisrt.reporting.study import Study, team_name
@@ -143,16 +147,67 @@ def size_lines(
     return drawn(name, f"{measure.title} against team size: {where}", alt, 3.3, draw)
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Growing:
+    """A share of the explorable area that grows in the course of a run.
+
+    Attributes
+    ----------
+    name : str
+        Beginning of the names of its figures.
+    title : str
+        Beginning of their titles.
+    words : str
+        What is the case with the share.
+    times_s : callable
+        Returns when each percent was reached in a run, from 0 to 100 (s); None where never.
+    share : callable
+        Returns the share in the end, or None if it was not measured.
+    """
+
+    name: str
+    title: str
+    words: str
+    times_s: Callable[[Result], tuple[float | None, ...]]
+    share: Callable[[Metrics], float | None]
+
+
+COVERED: Final = Growing(
+    name="coverage",
+    title="Coverage against time",
+    words="covered",
+    times_s=lambda result: result.covered_at_s,
+    share=lambda metrics: metrics.coverage,
+)
+
+DELIVERED: Final = Growing(
+    name="delivered",
+    title="Known to the base station against time",
+    words="known to the base station",
+    times_s=lambda result: result.delivered_at_s,
+    share=lambda metrics: metrics.delivered_coverage,
+)
+
+
 def coverage_curves(study: Study) -> list[Picture]:
     """Return the coverage against time: a figure per setting and group of lines."""
+    return _all_curves(study, COVERED)
+
+
+def delivered_curves(study: Study) -> list[Picture]:
+    """Return what the base station knew against time: as `coverage_curves`; none without one."""
+    return _all_curves(study, DELIVERED)
+
+
+def _all_curves(study: Study, what: Growing) -> list[Picture]:
     pictures = []
     for setting in study.settings:
         for number_, group in enumerate(in_groups(study.here(setting), study.baseline)):
-            found = {strategy: _curves(study, setting, strategy) for strategy in group}
+            found = {strategy: _curves(study, setting, strategy, what) for strategy in group}
             curves = {strategy: own for strategy, own in found.items() if own}
             together = [curve for own in curves.values() for curve in own]
             if any(np.asarray(times)[-1] > 0.0 for times, _ in together):
-                pictures.append(_coverage(study, setting, curves, number_))
+                pictures.append(_coverage(study, setting, curves, number_, what))
     return pictures
 
 
@@ -253,26 +308,31 @@ def _with_count(study: Study, measure: Measure, setting: Condition, strategy: st
 # Lines --------------------------------------------------------------------------------------
 
 
-def _curves(study: Study, setting: Condition, strategy: str) -> list[StepCurve]:
-    # The time at which each percent was covered; runs that were not measured have no curve. What
-    # was covered beyond the last whole percent is known to be covered when the run ends.
+def _curves(study: Study, setting: Condition, strategy: str, what: Growing) -> list[StepCurve]:
+    # The time at which each percent was covered, or delivered; runs that were not measured have no
+    # curve. What was covered beyond the last whole percent is known to be so when the run ends.
     curves: list[StepCurve] = []
     for result in study.distinct(setting, strategy):
         steps = [
             (time, percent / 100.0)
-            for percent, time in enumerate(result.covered_at_s)
+            for percent, time in enumerate(what.times_s(result))
             if time is not None
         ]
-        if steps and result.metrics is not None and result.metrics.coverage > steps[-1][1]:
+        share = None if result.metrics is None else what.share(result.metrics)
+        if steps and result.metrics is not None and share is not None and share > steps[-1][1]:
             ended_s = max(steps[-1][0], result.metrics.makespan_s)
-            steps.append((ended_s, result.metrics.coverage))
+            steps.append((ended_s, share))
         if steps:
             curves.append(([time for time, _ in steps], [share for _, share in steps]))
     return curves
 
 
 def _coverage(
-    study: Study, setting: Condition, curves: dict[str, list[StepCurve]], number_: int
+    study: Study,
+    setting: Condition,
+    curves: dict[str, list[StepCurve]],
+    number_: int,
+    what: Growing,
 ) -> Picture:
     where = study.name(setting)
     grid = common_grid([curve for own in curves.values() for curve in own], CURVE_POINTS)
@@ -281,7 +341,7 @@ def _coverage(
         strategy: grid[band.median >= 0.9][0] if (band.median >= 0.9).any() else math.inf
         for strategy, band in bands.items()
     }
-    alt = f"Share of the explorable area covered against time in {where}. " + "; ".join(
+    alt = f"Share of the explorable area {what.words} against time in {where}. " + "; ".join(
         f"{strategy}: median of {len(curves[strategy])} runs "
         + (f"at 90 % after {number(t, 0)} s" if math.isfinite(t) else "never at 90 %")
         for strategy, t in reached.items()
@@ -297,12 +357,12 @@ def _coverage(
         axes.set_ylim(0.0, 1.02)
         axes.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0, symbol=" %"))
         axes.set_xlabel("time (s)")
-        axes.set_ylabel("covered")
+        axes.set_ylabel(what.words)
         headline(axes, where)
         legend_below(axes)
 
-    name = f"coverage-{slug(where)}-{number_}"
-    return drawn(name, f"Coverage against time: {where}", alt, 3.1, draw)
+    name = f"{what.name}-{slug(where)}-{number_}"
+    return drawn(name, f"{what.title}: {where}", alt, 3.1, draw)
 
 
 def _median_text(study: Study, measure: Measure, setting: Condition, strategy: str) -> str:

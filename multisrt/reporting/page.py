@@ -71,6 +71,7 @@ class Contents:
     printed: list[Table] = field(default_factory=list)
     claims: Sequence[Claim] = ()
     coverage: list[Picture] = field(default_factory=list)
+    delivered: list[Picture] = field(default_factory=list)
     across: list[Picture] = field(default_factory=list)
     rates: list[Picture] = field(default_factory=list)
     gallery: Gallery = field(default_factory=Gallery)
@@ -205,6 +206,7 @@ def _contents(study: Study, chosen: Sequence[Measure], say: Callable[[str], None
         found.gap = tables.gap_table(study)
         found.computing = tables.computing_table(study)
         found.coverage = figures.coverage_curves(study)
+        found.delivered = figures.delivered_curves(study)
         found.rates = overall_figures.success_rates(study)
         found.across = [
             *overall_figures.profiles(study),

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 
 from multisrt.geometry.errors import InvalidInputError, did_you_mean
+from multisrt.robots.frontier.pursuit_options import require_pursuit
 from multisrt.robots.homing.options import require_home
 from multisrt.robots.strategy_fields import require_fields
 from multisrt.validation_errors import allowed_words, explained
@@ -209,6 +210,7 @@ class Strategy:
         multisrt.geometry.errors.InvalidInputError: srt-radial needs a radio range of at least ...
         """
         require_home(spec, self.options, spec.options)
+        require_pursuit(spec, self.options, spec.options)
         if self.fits is not None:
             self.fits(spec)
 

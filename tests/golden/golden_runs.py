@@ -64,14 +64,18 @@ DEATH_AND_SILENCE = (
 
 
 def _spec(
-    environment: CatalogEnvironment, strategy: str, *robots: RobotSpec, **more: Any
+    environment: CatalogEnvironment,
+    strategy: str,
+    *robots: RobotSpec,
+    max_time_s: float = 1500.0,
+    **more: Any,
 ) -> RunSpec:
     return RunSpec(
         environment=environment,
         strategy=strategy,
         robots=robots,
         seed=1,
-        stop=StopRule(max_time_s=1500.0),
+        stop=StopRule(max_time_s=max_time_s),
         **more,
     )
 
@@ -146,6 +150,34 @@ RUNS = {
     "srt-star alone, base": _spec(OFFICE, "srt-star", ROBOT, radio=SHORT_RADIO, base=BASE),
     "minpos team, base, bad radio": _spec(
         OFFICE, "minpos", *[ROBOT] * 3, radio=BAD_SHORT_RADIO, base=BASE, starts="clustered"
+    ),
+    "minpos home in time": _spec(
+        OFFICE,
+        "minpos",
+        *[ROBOT] * 2,
+        radio=RadioSpec(range_m=5.0, walls="block"),
+        base=BASE,
+        starts="clustered",
+        options={"home": "in-time"},
+        max_time_s=90.0,
+    ),
+    "gain chain, robot dies": _spec(
+        OFFICE,
+        "gain",
+        *[ROBOT] * 4,
+        radio=RadioSpec(range_m=6.0, walls="block"),
+        base=BASE,
+        starts="clustered",
+        options={"home": "chain"},
+        faults=(Death(robot=2, time_s=40.0),),
+    ),
+    "greedy pursuit": _spec(
+        OFFICE,
+        "greedy",
+        *[ROBOT] * 3,
+        radio=RadioSpec(range_m=4.0, walls="block"),
+        starts="clustered",
+        options={"pursue": True},
     ),
     "rules bad radio, death": _spec(
         APARTMENT, "rules", *[ROBOT] * 3, radio=BAD_RADIO, faults=DEATH_AND_SILENCE

@@ -102,7 +102,7 @@ class Occupancy:
     (4.0, 1.5)
     """
 
-    __slots__ = ("_blocks", "_changes", "_groups", "_layers", "cell_m", "radius_m")
+    __slots__ = ("_blocks", "_changes", "_cleared", "_groups", "_layers", "cell_m", "radius_m")
 
     def __init__(
         self,
@@ -123,6 +123,7 @@ class Occupancy:
         self._changes = ChangeLog()
         self._groups = FrontierGroups()
         self._blocks = 0
+        self._cleared: list[IntArray | None] = []
         if bounds is not None:
             self._layers = grown(self._layers, bounds)
 
@@ -438,9 +439,34 @@ class Occupancy:
         if len(circles):
             cleared = block_discs(circles, self._layers)
         self._blocks += 1
+        self._cleared.append(cleared)
         try:
             yield
         finally:
             self._blocks -= 1
+            self._cleared.pop()
             if cleared is not None:
                 passable.reshape(-1)[cleared] = True
+
+    @contextmanager
+    def unblocked(self) -> Iterator[None]:
+        """Make cells passable again that are `blocked`, while a ``with`` block is executed.
+
+        What is kept for longer than a block, as distances from places, is to be computed so.
+
+        Examples
+        --------
+        >>> raster = Occupancy(0.1, 0.25)
+        >>> with raster.blocked([(1.0, 1.0, 0.5)]), raster.unblocked():
+        ...     raster.passable.any()
+        np.False_
+        """
+        cells = self.passable.reshape(-1)
+        again = [cleared for cleared in self._cleared if cleared is not None]
+        for cleared in again:
+            cells[cleared] = True
+        try:
+            yield
+        finally:
+            for cleared in again:
+                cells[cleared] = False

@@ -57,6 +57,9 @@ from multisrt.robots.frontier.wavefront_rules import Choice, choose_closest
 SCORES_KEPT = 10
 """Number of the best cells that are recorded with a choice."""
 
+MAX_LATE = 20
+"""Bounds the paths that are planned to cells for which no time turns out to be left."""
+
 REPLANNING_EVENTS = (Event.START, Event.NEWS, Event.CALLED_ON, Event.BLOCKED)
 """Events after which a robot chooses another cell even if its own is still unexplored."""
 
@@ -109,7 +112,7 @@ class Rules:
         with robot.around_bodies():
             survey = take_survey(robot, team.cells.tried, agreed(robot))
             aim = None if because in REPLANNING_EVENTS else team.cells.aim
-            path = None if aim is None else path_to(robot, survey, aim)
+            path = None if aim is None else path_in_time(robot, survey, aim)
             unreached: list[Place] = []
             scores: Scores = ()
             if path is None:
@@ -273,17 +276,27 @@ class Rules:
 
 
 def best_cell(robot: FrontierRobot, survey: Survey) -> tuple[Place | None, Scores, list[Place]]:
-    """Return the best cell that can be reached, the scores, and the better cells that cannot be."""
+    """Return the best cell that can be reached, the scores, and the better cells that cannot be.
+
+    Cells that the robot has no time for are passed over (see `FrontierHoming.in_time`); after
+    `MAX_LATE` of them there is none, and the robot goes to the closest frontier instead.
+    """
     goals = [r.goal if r.aim is None else r.aim for r in robot.team.present()]
     places = np.array([goal for goal in goals if goal is not None]).reshape(-1, 2)
     unreached: dict[Place, None] = {}
+    late = 0
     for everywhere in (False, True):
         cells, given = search(robot, survey, places, everywhere)
         for i in given.order.tolist():
             x, y = cells[i].tolist()
-            if survey.can_reach(robot.raster, (x, y)):
+            if not survey.can_reach(robot.raster, (x, y)):
+                unreached[x, y] = None
+            elif robot.homing is None or path_in_time(robot, survey, (x, y)) is not None:
                 return (x, y), best_scores(cells, given), list(unreached)
-            unreached[x, y] = None
+            else:
+                late += 1
+                if late == MAX_LATE:
+                    return None, (), list(unreached)
     return None, (), list(unreached)
 
 
@@ -292,6 +305,17 @@ def best_scores(cells: FloatArray, given: GoalChoice) -> Scores:
     best = given.order[:SCORES_KEPT]
     terms = (given.scores, given.distance, given.turn, given.others)
     return tuple(zip(*cells[best].T.tolist(), *(t[best].tolist() for t in terms), strict=True))
+
+
+def path_in_time(robot: FrontierRobot, survey: Survey, aim: Place) -> PathToCell | None:
+    """Return the path to an unexplored cell; None also if the robot has no time for it."""
+    path = path_to(robot, survey, aim)
+    if path is None or robot.homing is None:
+        return path
+    field = robot.own_field()
+    if field is None or not np.isfinite(robot.fitting_costs(field, np.array([path.edge]))[0]):
+        return None
+    return path
 
 
 def goal_of(robot: FrontierRobot, path: PathToCell) -> Goal | None:

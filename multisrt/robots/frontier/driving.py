@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Generator
+from typing import Final
 
 from multisrt.events import Purpose
 from multisrt.geometry.numerics.kernel import FloatArray
@@ -16,6 +17,9 @@ from multisrt.robots.frontier.robot import FrontierRobot
 
 REACHED_M = 0.01
 """A robot this close to its goal is there."""
+
+ERRANDS: Final = ("home", "support")
+"""Purposes of the motions of robots on errands."""
 
 Driven = Generator[Action, Outcome, Event | Sighting]
 """Returns why a drive ended: an event, or the robot before which the protective stop ended it."""
@@ -130,7 +134,7 @@ def carry_out(
     """
     team = robot.team
     # Robots on errands take no frontier: others leave them out, as those that have nothing to do.
-    team.phase = "idle" if purpose == "home" else "driving"
+    team.phase = "idle" if purpose in ERRANDS else "driving"
     robot.course.set_out(motion)
     outcome: Outcome = yield Move(
         trajectory=motion,

@@ -6,6 +6,7 @@ import msgspec
 
 from multisrt.events import Decided, PresumedLost
 from multisrt.robots.explorer import Note, Send, Steps
+from multisrt.robots.frontier.chain import Chain
 from multisrt.robots.frontier.errands import Errand
 from multisrt.robots.frontier.goal import Place
 from multisrt.robots.frontier.homing import FrontierHoming
@@ -18,13 +19,24 @@ MAX_PROPOSALS = 6
 
 def errand_now(robot: FrontierRobot) -> Errand | None:
     """Return the errand that comes before all exploration, if there is one."""
-    homing = robot.homing
-    if homing is None:
+    found = None if robot.homing is None else news_errand(robot, robot.homing)
+    if found is not None or robot.pursuit is None or robot.team.requests.meet:
+        return found
+    if robot.homing is not None and robot.homing.chain is not None:
+        # Who goes after a mate breaks the chain.
         return None
+    return robot.pursuit.errand()
+
+
+def news_errand(robot: FrontierRobot, homing: FrontierHoming) -> Errand | None:
+    """Return the errand that brings news home, or to the mate of the pair that does."""
+    robot.team.requests.link = False
     why = homing.reason(robot.course) if robot.team.carries else None
     if why is not None:
         robot.team.requests.meet = False
         return homing.errand(robot.course, why)
+    if homing.chain is not None:
+        return homing.chain.follow()
     pair = homing.pair
     if robot.team.requests.meet or not homing.meets_now(robot.course):
         return None
@@ -70,6 +82,17 @@ def agree(robot: FrontierRobot, homing: FrontierHoming, following: Place | None)
     yield Note(Decided(time_s=robot.time_s, robot=robot.me.robot, text=text, goal=place))
 
 
+def end_in_chain(robot: FrontierRobot, chain: Chain, errand: Errand) -> Steps:
+    """Record which robots are taken as lost, as they did not come or were not heard."""
+    if errand.kind == "wait":
+        lost = chain.note_in_vain()
+    else:
+        front = chain.note_unheard()
+        lost = [] if front is None else [front]
+    for other in lost:
+        yield Note(PresumedLost(time_s=robot.time_s, robot=robot.me.robot, other=other))
+
+
 def end_errand(robot: FrontierRobot, errand: Errand, *, barred: bool) -> Steps:
     """Record that an errand is over, perhaps in vain.
 
@@ -82,9 +105,16 @@ def end_errand(robot: FrontierRobot, errand: Errand, *, barred: bool) -> Steps:
     barred : bool
         Whether bodies bar all paths there.
     """
+    if errand.kind == "pursue":
+        assert robot.pursuit is not None
+        robot.pursuit.note_end()
+        return
     homing = robot.homing
     assert homing is not None
     if errand.is_over():
+        return
+    if homing.chain is not None and errand.kind in ("link", "wait"):
+        yield from end_in_chain(robot, homing.chain, errand)
         return
     if errand.kind == "home":
         if barred:

@@ -5,12 +5,23 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
+from typing import Final, Literal
 
+from multisrt.events import Purpose
 from multisrt.robots.frontier.goal import Goal
 
-ErrandKind = Literal["home", "meet"]
-"""To deliver news to the base station, or to meet the mate that takes them or has them."""
+ErrandKind = Literal["home", "meet", "pursue", "link", "wait"]
+"""To deliver news to the base station, to meet the mate that takes them or has them, to go after
+one that is out of touch, to stand as a relay, or to wait for those who do."""
+
+WHAT: Final = {
+    "home": "goes home",
+    "meet": "goes to meet its mate",
+    "pursue": "goes after a mate",
+    "link": "stands",
+    "wait": "waits",
+}
+"""What a robot does on each kind of errand, in words."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -19,7 +30,7 @@ class Errand:
 
     Attributes
     ----------
-    kind : {"home", "meet"}
+    kind : {"home", "meet", "pursue", "link", "wait"}
         What for.
     why : str
         Why now, in words, for the record.
@@ -47,7 +58,12 @@ class Errand:
     @property
     def what(self) -> str:
         """What the robot does, in words."""
-        return "goes home" if self.kind == "home" else "goes to meet its mate"
+        return WHAT[self.kind]
+
+    @property
+    def purpose(self) -> Purpose:
+        """Purpose of the motions, for the record."""
+        return "support" if self.kind == "pursue" else "home"
 
     def is_late(self, now_s: float) -> bool:
         """Whether a robot that is still on its way need not come any more."""

@@ -33,10 +33,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Generator, Iterable
+from typing import Final
 
 from multisrt.events import Decided
 from multisrt.robots.explorer import Action, Done, Note, Outcome, RobotSelf, Sighting, Steps
 from multisrt.robots.frontier.bodies import MOVED_M
+from multisrt.robots.frontier.chain import Chain
 from multisrt.robots.frontier.driving import Drive, drive
 from multisrt.robots.frontier.errand_steps import agree, end_errand, errand_now
 from multisrt.robots.frontier.errands import Errand
@@ -52,6 +54,25 @@ Rule = Callable[[FrontierRobot, Event], Generator[Action, Outcome, Goal | None]]
 """Chooses a goal, given why one is chosen; returns None if there is nothing to go to."""
 
 Act = Generator[Action, Outcome, Event]
+
+NO_TIME = "there is no time for another goal and the way home"
+"""Why a robot goes home, in words, that would have gone on."""
+
+DONE: Final = (
+    Event.OUT_OF_TIME,
+    Event.OUT_OF_REACH,
+    Event.EXPLORED,
+    Event.JAMMED,
+    Event.BOXED_IN,
+)
+"""Events after which a robot without a goal is done."""
+
+
+def left_out(homing: FrontierHoming) -> tuple[str, Event]:
+    """Return why a robot has no goal, in words and as an event, that has left some out."""
+    if homing.chain is not None:
+        return "there is no goal from which the chain reaches home", Event.OUT_OF_REACH
+    return NO_TIME, Event.OUT_OF_TIME
 
 
 class FrontierExplorer:
@@ -133,7 +154,7 @@ class FrontierExplorer:
                 return (yield from self.wait())
             case State.ATTENDING:
                 return (yield from self.attend())
-            case State.BOXED_IN | State.OUT_OF_TIME | State.COMPLETE:
+            case State.BOXED_IN | State.OUT_OF_TIME | State.OUT_OF_REACH | State.COMPLETE:
                 return (yield from self.stand_by())
 
     def choose(self) -> Act:
@@ -144,6 +165,8 @@ class FrontierExplorer:
             team.phase = "choosing"
             if (errand := errand_now(robot)) is not None:
                 return (yield from self.set_out(errand))
+            if robot.homing is not None:
+                robot.homing.has_left_out = False
             goal = yield from self._rule(robot, self.progress.because)
         if robot.homing is not None:
             return (yield from self.weigh(robot.homing, goal))
@@ -151,17 +174,26 @@ class FrontierExplorer:
         return Event.GOAL if goal is not None else self.why_no_goal()
 
     def weigh(self, homing: FrontierHoming, goal: Goal | None) -> Act:
-        """Take a goal if there is time for it and the way home; else go home, if that is of use."""
+        """Take a goal if there is time for it and the way home; else go home, if that is of use.
+
+        Rules leave out what there is no time for; one of a user's own may not.
+        """
         robot, why = self.robot, "it knows of nothing that is left to explore"
         robot.set_goal(goal)
         if goal is None:
             event = self.why_no_goal()
+            if event is Event.EXPLORED and homing.has_left_out:
+                why, event = left_out(homing)
         elif homing.fits(robot.course, goal):
             event = Event.GOAL
         else:
             robot.set_goal(None)
-            why, event = "there is no time for its next goal and the way home", Event.OUT_OF_TIME
-        is_done = event in (Event.OUT_OF_TIME, Event.EXPLORED, Event.JAMMED, Event.BOXED_IN)
+            why, event = left_out(homing)
+        if homing.chain is not None:
+            errand = self.weigh_chain(homing.chain, goal, event)
+            if errand is not None:
+                return (yield from self.set_out(errand))
+        is_done = event in DONE
         if is_done and robot.team.carries:
             # The answer to the last report may be on its way.
             yield from robot.team.pause(robot.team.round_trip_s)
@@ -173,6 +205,16 @@ class FrontierExplorer:
         if not is_done or self.progress.is_jammed or not homing.may_deliver(robot.course):
             return event
         return (yield from self.set_out(homing.errand(robot.course, why)))
+
+    def weigh_chain(self, chain: Chain, goal: Goal | None, event: Event) -> Errand | None:
+        """Return what a robot of a chain has to wait for, before its goal or without one."""
+        if not chain.is_front:
+            chain.let_go()
+            return chain.stand_by() if event in DONE else None
+        if goal is None or event is not Event.GOAL:
+            chain.let_go()
+            return None
+        return chain.call(goal)
 
     def set_out(self, errand: Errand) -> Act:
         """Begin an errand; wait if bodies bar all paths."""
@@ -219,7 +261,7 @@ class FrontierExplorer:
             ended = yield from drive(
                 robot,
                 goal,
-                "home",
+                errand.purpose,
                 to_see=False,
                 until=lambda: errand.is_over() or errand.is_late(robot.time_s),
             )
@@ -271,11 +313,15 @@ class FrontierExplorer:
                 return Event.ASKED
             if robot.team.requests.meet:
                 return Event.ERRAND_OVER
+            robot.team.requests.link = False
             if robot.time_s >= errand.waits_until_s(arrived_s):
                 break
             robot.team.requests.stop = False
             yield from robot.team.deliver()
-            yield from robot.team.pause(robot.team.period_s)
+            # A relay is in touch anyway.
+            is_linked = errand.kind in ("link", "wait")
+            period_s = robot.options.report_period_s if is_linked else robot.team.period_s
+            yield from robot.team.pause(period_s)
         yield from self.end_errand(errand)
         return Event.ERRAND_OVER
 
@@ -296,7 +342,7 @@ class FrontierExplorer:
         if requests.stop:
             requests.stop = False
             return Event.STOP_SIGNAL
-        return Event.ERRAND if requests.meet else Event.ASSIGNED
+        return Event.ERRAND if requests.meet or requests.link else Event.ASSIGNED
 
     def meet(self) -> Act:
         """Go round a robot before which the protective stop ended a motion, or ask it to leave."""
@@ -351,6 +397,12 @@ class FrontierExplorer:
                 reason="no time is left for another goal and the way home",
                 on_call=team.has_receivers,
             )
+        elif progress.state is State.OUT_OF_REACH:
+            done = Done(
+                complete=False,
+                reason="no goal is left from which the chain reaches the base station",
+                on_call=team.has_receivers,
+            )
         else:
             is_jammed = progress.because is Event.JAMMED
             done = self.boxed_in(progress.standstill.jams if is_jammed else robot.bodies.numbers())
@@ -363,7 +415,7 @@ class FrontierExplorer:
             yield from team.take(outcome)
         if team.requests.give_way is not None:
             return Event.ASKED
-        team.requests.stop = False
+        team.requests.stop = team.requests.link = False
         return Event.CALLED_ON
 
     def boxed_in(self, by: Iterable[int]) -> Done:

@@ -12,10 +12,13 @@ import math
 
 import numpy as np
 
+from multisrt.geometry.numerics.arrays import BoolArray, FloatArray
 from multisrt.robots.explorer import RobotSelf
 from multisrt.robots.frontier.bodies import Bodies
+from multisrt.robots.frontier.chain import Chain
 from multisrt.robots.frontier.course import Course
 from multisrt.robots.frontier.errands import Errand
+from multisrt.robots.frontier.frontiers import Frontiers
 from multisrt.robots.frontier.goal import Goal, Place
 from multisrt.robots.frontier.options import FrontierOptions
 from multisrt.robots.frontier.path_finder import PathFinder
@@ -49,13 +52,20 @@ class FrontierHoming:
         Its paths.
     bodies : Bodies
         Robots that stand in its way.
+    frontiers : Frontiers
+        Its targets.
 
     Attributes
     ----------
     time : JustInTime
         How long ways last, and when the time is over.
+    chain : Chain or None
+        Its part in a chain of relays, if there is one.
     pair : Pair
         What it does in its pair; alone unless the robots go in pairs.
+    has_left_out : bool
+        Whether a place was left out of a choice, as there is no time for it, or it is out of reach
+        of the chain; to be reset before a choice.
     """
 
     def __init__(
@@ -67,22 +77,29 @@ class FrontierHoming:
         team: Team,
         paths: PathFinder,
         bodies: Bodies,
+        frontiers: Frontiers,
     ) -> None:
         self.time = JustInTime.of(me, options)
         assert me.base is not None
         self.pair = Pair(
             me.robot, me.team, base=me.base, period_s=options.home_period_s, now_s=me.time_s
         )
+        self._ways = Ways(me, map, paths)
+        self.chain = (
+            Chain(me, options, course, map, team, self._ways, self.time, frontiers)
+            if options.home == "chain"
+            else None
+        )
         if options.home == "relays":
             team.pair = self.pair
         else:
             self.pair.part()
+        self.has_left_out = False
         self._options = options
         self._map = map
         self._team = team
         self._bodies = bodies
         self._course = course
-        self._ways = Ways(me, map, paths)
         self._worth = NewsWorth(map.entries, map.raster)
         # Until then there is time, wherever the robot drives: to go home, and to meet the mate.
         self._in_time_s = self._not_due_s = -math.inf
@@ -106,7 +123,7 @@ class FrontierHoming:
 
         It does not ask whether the robot carries anything.
         """
-        if not self._may_be_heard:
+        if not self._may_be_heard or (self.chain is not None and self._team.is_in_touch):
             return None
         if self._is_late(course):
             return f"the limit of {self.time.limit_s:g} s leaves time for the way home only"
@@ -144,17 +161,54 @@ class FrontierHoming:
         )
 
     def fits(self, course: Course, goal: Goal) -> bool:
-        """Whether there is time to go to a goal and home from there.
+        """Whether the robot may choose a goal; see `only_fitting`."""
+        fitting = self.only_fitting(course, np.array([goal.place]), np.array([goal.cost_m]))
+        return bool(np.isfinite(fitting[0]))
 
-        True if no way home is known: it has to be found. The way to the goal counts at full speed,
-        as a robot that is late on it turns back before.
+    def in_time(self, course: Course, places: FloatArray, costs_m: FloatArray) -> BoolArray:
+        """Return whether there is time to go to places, and home from each.
+
+        Parameters
+        ----------
+        course : Course
+            Where the robot is.
+        places : (m, 2) array
+            Places in passable cells, in metres.
+        costs_m : (m,) array
+            Lengths of the paths there, in metres. They count at full speed, as a robot that is late
+            on one turns back before.
+
+        Returns
+        -------
+        (m,) array of bool
+            True where no way home is known: it has to be found.
         """
-        if not self._may_be_heard:
-            return True
-        [home_m] = self._ways.lengths(np.array([goal.place])).tolist()
-        return math.isinf(home_m) or self._has_time(
-            course.time_s + goal.cost_m / self.time.speed_m_s, home_m
-        )
+        if math.isinf(self.time.limit_s) or not self._may_be_heard:
+            return np.ones(len(places), np.bool_)
+        out_s = course.time_s + costs_m / self.time.speed_m_s
+        ways = zip(out_s.tolist(), self._ways.lengths(places).tolist(), strict=True)
+        return np.array([math.isinf(m) or self._has_time(s, m) for s, m in ways], np.bool_)
+
+    def only_fitting(self, course: Course, places: FloatArray, costs_m: FloatArray) -> FloatArray:
+        """Return the lengths of the paths to places, ``inf`` for those that it may not choose.
+
+        These are places that there is no time for; in a chain of relays, those from which the base
+        station would not hear the robot. This is what leaves them out of the robot's choices,
+        whatever its rule is. The parameters are those of `in_time`.
+        """
+        # Ways home are kept, and are not to lead around the bodies that are in the way now.
+        with self._map.raster.unblocked():
+            return self._only_fitting(course, places, costs_m)
+
+    def _only_fitting(self, course: Course, places: FloatArray, costs_m: FloatArray) -> FloatArray:
+        if self.chain is not None:
+            fitting = self.chain.only_in_reach(places, costs_m)
+            self.has_left_out |= bool((np.isfinite(costs_m) & ~np.isfinite(fitting)).any())
+            return fitting
+        late = np.isfinite(costs_m)
+        late[late] = ~self.in_time(course, places[late], costs_m[late])
+        self.has_left_out |= bool(late.any())
+        return np.where(late, np.inf, costs_m)
 
     def _has_time(self, now_s: float, home_m: float) -> bool:
         # And for two legs more, before the end of which the robot does not ask again.

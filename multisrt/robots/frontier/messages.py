@@ -14,6 +14,21 @@ Phase = Literal["choosing", "driving", "idle"]
 """State of a robot: it has no goal yet, is on its way to one, or has nothing to do."""
 
 
+class ChainLink(msgspec.Struct, frozen=True, kw_only=True):
+    """A relay of a chain; see `multisrt.robots.frontier.chain`.
+
+    Attributes
+    ----------
+    robot : int
+        Number of the robot that is to stand there.
+    place : (x, y)
+        Where, in metres.
+    """
+
+    robot: int
+    place: Place
+
+
 class RobotReport(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     """A robot's report of itself; a later report replaces an earlier one.
 
@@ -43,6 +58,9 @@ class RobotReport(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True)
         `rules`: the unexplored cell for whose sake it goes to its goal.
     leader : bool
         `rules`: whether it goes first where robots meet.
+    links : tuple of ChainLink or None
+        Chains: the relays that the robot needs as the front, from the base station on; None if it
+        is not the front.
     """
 
     robot: int
@@ -57,6 +75,7 @@ class RobotReport(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True)
     have: Counts
     aim: Place | None = None
     leader: bool = False
+    links: tuple[ChainLink, ...] | None = None
 
 
 class ReportMessage(Message, frozen=True, kw_only=True):

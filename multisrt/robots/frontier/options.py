@@ -7,11 +7,11 @@ from typing import Literal
 
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.regions.shapes import Shape
-from multisrt.robots.homing.options import HomingOptions
+from multisrt.robots.frontier.pursuit_options import PursuitOptions
 
 
-class FrontierOptions(HomingOptions, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Parameters that all strategies of the family share: those of `HomingOptions`, and these.
+class FrontierOptions(PursuitOptions, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Parameters that all strategies of the family share: those of `PursuitOptions`, and these.
 
     Attributes
     ----------

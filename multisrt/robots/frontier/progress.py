@@ -30,7 +30,7 @@ Robots that bring news home (`multisrt.robots.homing`) have errands besides::
       ^   |                     |                           |
       +---|-- errand, errand ---+------- errand over -------+
       |   |   over
-      |   +-- out of time --> OUT_OF_TIME --- asked ---> YIELDING
+      |   +-- out of time, out of reach --> OUT_OF_TIME, OUT_OF_REACH --- asked ---> YIELDING
       |                           |
       +-------- called on --------+
 
@@ -46,6 +46,8 @@ ATTENDING     The robot is where its errand leads, and waits for the base statio
               or for its mate.
 BOXED_IN      Bodies that do not leave bar them; the robot is done until it hears something new.
 OUT_OF_TIME   No time is left to go on and come home; it is done until it hears something new.
+OUT_OF_REACH  No goal is left from which the chain reaches the base station; it is done until it
+              hears something new.
 COMPLETE      No frontier is left that it can reach; the robot is done until it hears something new.
 ============  ======================================================================================
 
@@ -94,6 +96,7 @@ class State(Enum):
     ATTENDING = auto()
     BOXED_IN = auto()
     OUT_OF_TIME = auto()
+    OUT_OF_REACH = auto()
     COMPLETE = auto()
 
 
@@ -143,6 +146,8 @@ class Event(StrEnum):
     """The robot is where its errand leads."""
     OUT_OF_TIME = "out of time"
     """No time is left to go on and come home."""
+    OUT_OF_REACH = "out of reach"
+    """No goal is left from which a chain of relays reaches the base station."""
     EXPLORED = "explored"
     """No frontier is left that the robot can reach."""
     INTERRUPTED = "interrupted"
@@ -158,6 +163,7 @@ TRANSITIONS: Final[Mapping[State, Mapping[Event, State]]] = MappingProxyType(
             Event.BOXED_IN: State.BOXED_IN,
             Event.JAMMED: State.BOXED_IN,
             Event.OUT_OF_TIME: State.OUT_OF_TIME,
+            Event.OUT_OF_REACH: State.OUT_OF_REACH,
             Event.EXPLORED: State.COMPLETE,
         },
         State.DRIVING: {
@@ -186,6 +192,7 @@ TRANSITIONS: Final[Mapping[State, Mapping[Event, State]]] = MappingProxyType(
         State.ATTENDING: {Event.ERRAND_OVER: State.CHOOSING, Event.ASKED: State.YIELDING},
         State.BOXED_IN: {Event.CALLED_ON: State.CHOOSING, Event.ASKED: State.YIELDING},
         State.OUT_OF_TIME: {Event.CALLED_ON: State.CHOOSING, Event.ASKED: State.YIELDING},
+        State.OUT_OF_REACH: {Event.CALLED_ON: State.CHOOSING, Event.ASKED: State.YIELDING},
         State.COMPLETE: {Event.CALLED_ON: State.CHOOSING, Event.ASKED: State.YIELDING},
     }
 )

@@ -19,6 +19,8 @@ class Requests:
         Whether a stop signal came for the present goal.
     meet : bool
         Whether this robot's mate is here to take its news; see `multisrt.robots.homing.pairs`.
+    link : bool
+        Whether the front of the chain called this robot, or let it go.
     assignment : AssignmentMessage or None
         The leader's answer to a robot that asked it for a goal.
 
@@ -35,9 +37,10 @@ class Requests:
     give_way: GiveWayMessage | None = None
     stop: bool = False
     meet: bool = False
+    link: bool = False
     assignment: AssignmentMessage | None = None
 
     @property
     def any_pending(self) -> bool:
         """Whether there is a request for which a robot stops driving."""
-        return self.give_way is not None or self.stop or self.meet
+        return self.give_way is not None or self.stop or self.meet or self.link

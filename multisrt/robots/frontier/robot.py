@@ -7,6 +7,8 @@ from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager
 from typing import cast
 
+import numpy as np
+
 from multisrt.events import MapComplete
 from multisrt.geometry.bodies.clearance import disc_clearance
 from multisrt.geometry.bodies.footprint import Footprint
@@ -28,6 +30,7 @@ from multisrt.robots.frontier.goal import Goal
 from multisrt.robots.frontier.homing import FrontierHoming
 from multisrt.robots.frontier.options import FrontierOptions
 from multisrt.robots.frontier.path_finder import PathFinder
+from multisrt.robots.frontier.pursuit import Pursuit
 from multisrt.robots.frontier.scan_map import ScanMap, raster_for
 from multisrt.robots.frontier.team import Team
 
@@ -76,6 +79,8 @@ class FrontierRobot:
         Its messages, and what it knows of the others.
     homing : FrontierHoming or None
         What brings its news home, if anything does.
+    pursuit : Pursuit or None
+        What takes it to mates that are out of touch, if anything does.
     car : CarDriver or None
         Plans its motions, if it is a car.
 
@@ -117,7 +122,22 @@ class FrontierRobot:
                 self.team,
                 self.path_finder,
                 self.bodies,
+                self.frontiers,
             )
+        )
+        self.pursuit = (
+            Pursuit(
+                me,
+                options,
+                self.course,
+                self.map,
+                self.team,
+                self.path_finder,
+                self.frontiers,
+                self.homing,
+            )
+            if options.pursue
+            else None
         )
         drive = me.kinematics
         self.car = (
@@ -176,6 +196,27 @@ class FrontierRobot:
         """Return the indices of the cells of places, ``(k, 2)``; see `fields.indices_of`."""
         return indices_of(self.raster, places)
 
+    def fitting_costs(self, field: DistanceField, places: FloatArray) -> FloatArray:
+        """Return the lengths of the robot's paths to places that it may choose.
+
+        Parameters
+        ----------
+        field : DistanceField
+            Distances from where it stands.
+        places : (m, 2) array
+            Places in passable cells, in metres.
+
+        Returns
+        -------
+        (m,) array
+            Metres; ``inf`` where there is no path, no time to go there and home again, or no chain
+            of relays (see `FrontierHoming.only_fitting`).
+        """
+        costs_m = field.distance(self.indices_of(places))
+        if self.homing is None:
+            return costs_m
+        return self.homing.only_fitting(self.course, places, costs_m)
+
     def goal_at(self, field: DistanceField, x: float, y: float) -> Goal:
         """Return a place as a goal, with the path to it; see `PathFinder.goal_at`."""
         return self.path_finder.goal_at(field, x, y)
@@ -191,6 +232,8 @@ class FrontierRobot:
             return False
         self.look_closer(field)
         targets = self.targets()
+        if self.homing is not None:
+            return bool(np.isfinite(self.fitting_costs(field, targets)).any())
         return len(targets) > 0 and field.first(self.indices_of(targets)) is not None
 
     # The goal -----------------------------------------------------------------------------

@@ -23,6 +23,7 @@ from multisrt.robots.frontier.frontiers import Frontiers
 from multisrt.robots.frontier.goal import Place
 from multisrt.robots.frontier.messages import (
     AssignmentMessage,
+    ChainLink,
     GiveWayMessage,
     InaccessibleMessage,
     Phase,
@@ -91,6 +92,11 @@ class StopSignals:
     ended_s: float = -math.inf
 
 
+def link_of(report: RobotReport, robot: int) -> Place | None:
+    """Return where a robot is to stand as a relay of another one; None if it is not called."""
+    return next((link.place for link in report.links or () if link.robot == robot), None)
+
+
 class Team(Listener):
     """Messages of one robot to its team, and from it.
 
@@ -131,6 +137,8 @@ class Team(Listener):
         Self-bidding: which stop signals it has sent.
     pair : Pair or None
         What this robot does in its pair, if the robots go in pairs of explorer and relay.
+    links : tuple of ChainLink or None
+        The relays that this robot needs as the front of a chain; None if it is not one.
     """
 
     ends_pauses_on_time = True
@@ -155,6 +163,7 @@ class Team(Listener):
         self.answer: Callable[[int], Steps] | None = None
         self.stops = StopSignals()
         self.pair: Pair | None = None
+        self.links: tuple[ChainLink, ...] | None = None
         self._answers = options.answers
         self._report_period_s = options.report_period_s
         self._me = me
@@ -193,6 +202,7 @@ class Team(Listener):
             have=self._entries.counts(),
             aim=self.cells.aim,
             leader=self.cells.leader,
+            links=self.links,
         )
 
     def report(
@@ -297,6 +307,7 @@ class Team(Listener):
 
     def _take_reports(self, message: ReportMessage) -> Steps:
         for report in message.reports:
+            self._note_links(report)
             self.mates.take(report)
         if message.entries:
             yield from self.learn(message.entries)
@@ -308,6 +319,15 @@ class Team(Listener):
         if own.have != self._entries.counts():
             yield from self._ask_for_missing(own.robot, own.have)
         yield from self._tell_ready(own)
+
+    def _note_links(self, report: RobotReport) -> None:
+        """Stop for the front of a chain that calls this robot elsewhere, or lets it go."""
+        known = self.mates.reports.get(report.robot)
+        if known is not None and report.said < known.said:
+            return
+        before = None if known is None else link_of(known, self.number)
+        if link_of(report, self.number) != before:
+            self.requests.link = True
 
     def _take_appointment(self, pair: Pair, message: AppointmentMessage) -> Steps:
         if message.accepts:

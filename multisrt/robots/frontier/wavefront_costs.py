@@ -16,7 +16,7 @@ from typing import Final
 import numpy as np
 
 from multisrt.geometry.grids.distance_field import DistanceField
-from multisrt.geometry.numerics.arrays import FloatArray, IntArray
+from multisrt.geometry.numerics.arrays import BoolArray, FloatArray, IntArray
 from multisrt.planners.assignment.positions import positions
 from multisrt.robots.frontier.fields import NEAR_BY_CELLS
 from multisrt.robots.frontier.goal import Place
@@ -101,6 +101,7 @@ class WavefrontCosts:
                 if robot.look_closer(self.field) or whole or is_some:
                     self._take_targets()
                     self._are_in_reach(whole)
+            self._leave_out_late(whole)
 
     def _take_targets(self) -> None:
         self.targets = self.robot.targets()
@@ -120,6 +121,16 @@ class WavefrontCosts:
             self._own_nearest = self._first(self.row, np.arange(len(self.targets)), math.inf)
             are_in_reach = self._own_nearest is not None
         return len(self.targets) > 0 and are_in_reach and not self.robot.frontiers.leaves_out
+
+    def _leave_out_late(self, whole: bool) -> None:
+        """Leave out of the deciding robot's own choice the targets that it has no time for."""
+        self._in_time: BoolArray | None = None
+        if self.field is None or self.robot.homing is None:
+            return
+        costs = self.robot.fitting_costs(self.field, self.targets)
+        self._in_time = np.isfinite(costs)
+        if whole:
+            self.costs[self.row] = costs
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -153,6 +164,8 @@ class WavefrontCosts:
         """
         if robot != self.row:
             return self._first(robot, frontiers, limit_m)
+        if self._in_time is not None:
+            frontiers = frontiers[self._in_time[frontiers]]
         known = self._own_nearest
         if known is not None and known[1] in frontiers:
             return known
@@ -160,7 +173,12 @@ class WavefrontCosts:
             return self._first(robot, frontiers, limit_m)
 
     def own_cost(self, target: int) -> float:
-        """Return the deciding robot's cost to a target in metres; ``inf`` if it cannot reach it."""
+        """Return the deciding robot's cost to a target in metres.
+
+        It is ``inf`` if the robot cannot reach it, or has no time for it.
+        """
+        if self._in_time is not None and not self._in_time[target]:
+            return math.inf
         if self.field is not None and not np.isfinite(self.costs[self.row, target]):
             with self.robot.around_bodies():
                 self.costs[self.row, target] = self.field.distance(self._indices[[target]])[0]

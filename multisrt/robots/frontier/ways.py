@@ -96,6 +96,24 @@ class Ways:
             return math.inf
         return float(field.distance(indices_of(self._map.raster, np.array([centre])))[0])
 
+    def path_from_home(self, place: Place) -> FloatArray | None:
+        """Return the way from the base station to a place, without regard to bodies.
+
+        Returns
+        -------
+        (n, 2) array or None
+            Metres. If the robot knows no way to the base station itself, it begins where that hears
+            the robot; None if it knows no way there either.
+        """
+        centre = self._centre_near(place)
+        if centre is None:
+            return None
+        index = indices_of(self._map.raster, np.array([centre]))
+        for field in (self._paths.field(*self.contact.base), self._home_field()):
+            if field is not None and math.isfinite(field.distance(index)[0]):
+                return np.vstack([shortest_path(field, index[0]), [place]])
+        return None
+
     def goal_home(self, course: Course, *, once_more: bool) -> Goal | None:
         """Return where to go for the base station to hear the robot, around bodies.
 

@@ -18,8 +18,9 @@ import math
 from dataclasses import dataclass
 
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.planners.home_options import HomeOptions
 from multisrt.planners.motion.kinematics import Car, Differential
-from multisrt.robots.homing.options import EXCHANGE_MESSAGES, HomeValues
+from multisrt.robots.homing.options import EXCHANGE_MESSAGES
 from multisrt.robots.robot_self import RobotSelf
 
 
@@ -56,7 +57,7 @@ class JustInTime:
     reserve_s: float
 
     @classmethod
-    def of(cls, me: RobotSelf, options: HomeValues) -> JustInTime:
+    def of(cls, me: RobotSelf, options: HomeOptions) -> JustInTime:
         """Return that of a robot.
 
         Raises

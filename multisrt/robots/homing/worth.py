@@ -13,7 +13,8 @@ import numpy as np
 
 from multisrt.geometry.grids.occupancy import Occupancy
 from multisrt.geometry.grids.occupancy.layers import FREE
-from multisrt.robots.knowledge import CountsByRobot, Entries, NodeId
+from multisrt.robots.homing.their_map import TheirMap
+from multisrt.robots.knowledge import CountsByRobot, Entries
 
 
 class NewsWorth:
@@ -36,10 +37,8 @@ class NewsWorth:
     """
 
     def __init__(self, entries: Entries, raster: Occupancy) -> None:
-        self._entries = entries
         self._raster = raster
-        self._theirs = Occupancy(raster.cell_m, raster.radius_m)
-        self._painted: dict[int, int] = {}
+        self._theirs = TheirMap(entries, raster)
 
     def known_m2(self, base_has: CountsByRobot) -> float:
         """Return the area of the nodes that the base station has, in square metres.
@@ -49,17 +48,8 @@ class NewsWorth:
         base_has : mapping of int to (nodes, closings)
             What it has; counts never fall from call to call.
         """
-        for robot, (count, _) in base_has.items():
-            first = self._painted.get(robot, 0)
-            for serial in range(first, count):
-                node = self._entries.nodes.get(NodeId(robot, serial))
-                if node is None:
-                    # This robot lacks it; it is looked for again next time.
-                    count = serial
-                    break
-                self._theirs.add(node.region)
-            self._painted[robot] = max(first, count)
-        return self._area(self._theirs)
+        self._theirs.take(base_has)
+        return self._area(self._theirs.raster)
 
     def ratio(self, base_has: CountsByRobot) -> float:
         """Return the share of what is known here that the base station knows, from 0 to 1.

@@ -2,13 +2,15 @@
 
 A tree holds the way home: a robot goes to the nearest node from which the base station surely hears
 it. Steps are not broken off, so it asks at every node whether it is to go home, and before it takes
-a target whether there is time for that and the way home from there. Every hop may begin with a
+a target whether there is time for that and the way home from there; targets for which there is not
+are left out of its choices. Every hop may begin with a
 turn, which counts as half a one.
 """
 
 from __future__ import annotations
 
 import math
+from typing import NoReturn
 
 from multisrt.events import Decided
 from multisrt.geometry.grids.occupancy import Occupancy
@@ -58,6 +60,9 @@ class SrtHoming:
     ----------
     is_asked : bool
         Whether the robot asks on its way; not while it goes home, or has ended.
+    has_left_out : bool
+        Whether a target was left out of a choice, as there is no time for it; to be reset before a
+        choice.
     """
 
     def __init__(
@@ -70,6 +75,7 @@ class SrtHoming:
         team: Team,
     ) -> None:
         self.is_asked = True
+        self.has_left_out = False
         self._time = JustInTime.of(me, options)
         self._contact = ContactPlaces(me)
         self._options = options
@@ -104,30 +110,47 @@ class SrtHoming:
             raise CalledHome(f"the base station knows less than {ratio:.0%} of what it knows")
 
     def weigh(self, target: Target) -> None:
-        """Go home if there is no time for a target and the way home from there.
+        """Go home if there is no time for a target and the way home from there; see `end`."""
+        if not self.fits(target):
+            self.end()
+
+    def end(self) -> NoReturn:
+        """Go home, or end: there is no time for another target.
 
         Raises
         ------
         CalledHome
-            If there is not, and the robot carries something.
+            If the robot carries something.
         OutOfTime
-            If there is not, and it carries nothing.
+            If it carries nothing.
         """
-        if not self.is_asked:
-            return
+        if self._team.carries:
+            raise CalledHome("there is no time for another target and the way home")
+        raise OutOfTime
+
+    def leaves_out(self, target: Target) -> bool:
+        """Whether there is no time for a target, which is left out of a choice for that."""
+        is_late = not self.fits(target)
+        self.has_left_out |= is_late
+        return is_late
+
+    def fits(self, target: Target) -> bool:
+        """Whether there is time for a target and the way home from there.
+
+        True if no way home is known, and for a robot that goes home or has ended.
+        """
+        if not self.is_asked or math.isinf(self._time.limit_s) or not self._may_be_heard:
+            return True
         route = self.route_from(target.route[-1])
-        if route is None or not self._may_be_heard:
-            return
+        if route is None:
+            return True
         there, beyond_m = list(target.route), 0.0
         if isinstance(target, NewPlace):
             x, y, _ = self._map[there[-1]].configuration
             beyond_m = math.dist((x, y), (target.x, target.y))
         out_m = self._routes.length_m(there) + beyond_m
         out_s = out_m / self._time.speed_m_s + len(there) * self._time.half_turn_s
-        if self._slack_s(self._at.time_s + out_s, route, beyond_m) < 0.0:
-            if self._team.carries:
-                raise CalledHome("there is no time for its next target and the way home")
-            raise OutOfTime
+        return self._slack_s(self._at.time_s + out_s, route, beyond_m) >= 0.0
 
     @property
     def may_deliver(self) -> bool:

@@ -8,7 +8,6 @@ from typing import Literal
 
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.planners.srt_options import SrtOptions
-from multisrt.robots.homing.options import require_home_values
 
 _POSITIVE = (
     "guard_m",
@@ -40,21 +39,7 @@ class MultiSrtOptions(SrtOptions, frozen=True, kw_only=True, forbid_unknown_fiel
     Attributes
     ----------
     home : {"never", "in-time", "worth"}
-        When a robot drives to where the base station hears it: on no account; when it has explored
-        all it can, and so that what it carries is delivered before the run's time limit; or then,
-        and when what it carries is worth the way. It goes over its roadmap, from node to node.
-        Other values than "never" need a base station.
-    home_margin : float
-        Share by which ways home are taken to last longer than their length at full speed, for
-        scans and other robots on the way.
-    home_reserve_s : float
-        Time in seconds that is to be left at home for the delivery, and for delays that do not
-        depend on the way.
-    home_ratio : float
-        "worth": a robot goes home when the area that the base station knows is less than this
-        share of that area and the one it does not know yet.
-    home_wait_s : float
-        Time in seconds for which a robot waits for an acknowledgement where it should be heard.
+        As in `HomeOptions`; the robot goes over its roadmap, from node to node.
     guard_m : float
         Distance in metres to another body at which the protective stop ends a motion; paths that
         come nearer to one another conflict.
@@ -134,10 +119,6 @@ class MultiSrtOptions(SrtOptions, frozen=True, kw_only=True, forbid_unknown_fiel
     """
 
     home: Literal["never", "in-time", "worth"] = "never"
-    home_margin: float = 0.25
-    home_reserve_s: float = 10.0
-    home_ratio: float = 0.8
-    home_wait_s: float = 30.0
     guard_m: float = 0.1
     support: bool = True
     support_m: float | None = None
@@ -166,7 +147,6 @@ class MultiSrtOptions(SrtOptions, frozen=True, kw_only=True, forbid_unknown_fiel
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        require_home_values(self)
         for name in (*_POSITIVE, *_POSITIVE_IF_GIVEN):
             value = getattr(self, name)
             if value is None and name in _POSITIVE_IF_GIVEN:

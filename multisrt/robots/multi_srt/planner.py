@@ -66,10 +66,13 @@ class Planner:
         """
         robot = self._robot
         here = robot.at.node
+        if robot.homing is not None:
+            robot.homing.has_left_out = False
         found = self._draw_or_approach(here, frontier, draws)
         if found is not None:
             return found
-        if robot.options.no_place_after is not None and len(frontier) and not robot.obstacles:
+        is_free = not robot.obstacles and not self._has_left_out
+        if robot.options.no_place_after is not None and len(frontier) and is_free:
             yield from robot.team.tell_no_place(here)
         parent = robot.map[here].parent
         steps_back = robot.options.backtrack == "parent" and not self._completing
@@ -78,6 +81,21 @@ class Planner:
             if route is not None:
                 return "parent", KnownNode(tuple(route))
         return (yield from self._complete(here))
+
+    @property
+    def _has_left_out(self) -> bool:
+        # Whether this choice has left a target out, as the robot has no time for it.
+        return self._robot.homing is not None and self._robot.homing.has_left_out
+
+    def _may_go_to(self, node: NodeId) -> bool:
+        # Whether a node has frontier that no body bars, and the robot time to go there.
+        robot = self._robot
+        if not robot.trees.may_extend(node):
+            return False
+        if robot.homing is None:
+            return True
+        route = robot.routes.route(robot.at.node, node)
+        return route is None or not robot.homing.leaves_out(KnownNode(tuple(route), node))
 
     def _draw_or_approach(self, here: NodeId, frontier: FloatArray, draws: Draws) -> Found | None:
         robot, node = self._robot, self._robot.map[here]
@@ -128,9 +146,7 @@ class Planner:
             route = robot.routes.to_nearest(
                 here,
                 lambda n: (
-                    n not in drawn_out
-                    and not robot.is_without_place(n)
-                    and robot.trees.may_extend(n)
+                    n not in drawn_out and not robot.is_without_place(n) and self._may_go_to(n)
                 ),
             )
             if route is not None:
@@ -151,10 +167,18 @@ class Planner:
         # A target that leads to a view of an arc; arcs of which there is no view are closed.
         robot = self._robot
         trees, routes = robot.trees, robot.routes
-        while (route := routes.to_nearest(here, trees.may_extend)) is not None:
+        late: set[NodeId] = set()
+
+        def may_go_to(node: NodeId) -> bool:
+            return node not in late and self._may_go_to(node)
+
+        while (route := routes.to_nearest(here, may_go_to)) is not None:
             node = route[-1]
             for arc in robot.deferred.arcs(node):
                 found = robot.views.viewing_place(node, arc)
+                if isinstance(found, NewPlace) and robot.leaves_out(found):
+                    late.add(node)
+                    break
                 if isinstance(found, NewPlace):
                     return ("bypass" if found.is_interim else "complete"), found
                 if node not in robot.views.drawn_out:
@@ -164,9 +188,11 @@ class Planner:
                     yield from trees.defer(node, arc, found.bodies)
                 else:
                     yield from trees.close(node, arc, found)
-        past_bodies = robot.bypass.to(trees.may_extend)
+        past_bodies = robot.bypass.to(may_go_to)
         if past_bodies is not None:
             return "bypass", past_bodies
+        if robot.homing is not None and robot.homing.has_left_out:
+            robot.homing.end()
         for node in robot.map.open_nodes(tree):
             bodies = self._bodies_before(here, node)
             for arc in robot.deferred.arcs(node):

@@ -20,6 +20,7 @@ from multisrt.robots.multi_srt.progress import Progress
 from multisrt.robots.multi_srt.roadmap import SrtRoadmap
 from multisrt.robots.multi_srt.roster import Roster
 from multisrt.robots.multi_srt.routes import Routes
+from multisrt.robots.multi_srt.targets import NewPlace, Target
 from multisrt.robots.multi_srt.team import Team
 from multisrt.robots.multi_srt.trees import Trees
 from multisrt.robots.multi_srt.views import Views
@@ -118,9 +119,15 @@ class SrtRobot:
         limit = self.options.no_place_after
         return limit is not None and self.team.without_place[node] >= limit
 
+    def leaves_out(self, target: Target) -> bool:
+        """Whether the robot has no time for a target and the way home; see `SrtHoming`."""
+        return self.homing is not None and self.homing.leaves_out(target)
+
     def refuse(self, x: float, y: float) -> str | None:
         """Return why the robot cannot go straight to a candidate; None if it can."""
         at = self.at
+        if self.leaves_out(NewPlace(x, y, "draw", (at.node,))):
+            return "no time"
         if not self.obstacles and not self.roadmap.is_car:
             return None
         out_and_back = self.roadmap.to_place(at.q_act, self.map[at.node].region.boundary, x, y)

@@ -11,7 +11,7 @@ from multisrt.geometry.numerics.arrays import FloatArray
 from multisrt.robots.explorer import Look, RobotSelf
 from multisrt.robots.frontier.driving import Driven, drive
 from multisrt.robots.frontier.explore import FrontierExplorer
-from multisrt.robots.frontier.fields import NEAR_BY_CELLS, indices_of
+from multisrt.robots.frontier.fields import NEAR_BY_CELLS
 from multisrt.robots.frontier.goal import Goal
 from multisrt.robots.frontier.nearness import drive_by_option
 from multisrt.robots.frontier.options import BiddingOptions
@@ -153,8 +153,7 @@ class PendingDecision:
                 cell = robot.raster.passable_near(x, y, NEAR_BY_CELLS)
                 if cell is not None:
                     place = robot.raster.centre_of(*cell)
-                    index = indices_of(robot.raster, np.array([place]))
-                    if np.isfinite(field.distance(index)[0]):
+                    if np.isfinite(robot.fitting_costs(field, np.array([place]))[0]):
                         self.was_valid = True
                         return robot.goal_at(field, *place)
             self.was_valid = False

@@ -179,8 +179,9 @@ class RegionExplorer(ABC):
         Returns
         -------
         (m,) array
-            Metres; ``inf`` where there is no path, where other robots block all paths, and at
-            places from which it has scanned or that it failed to reach.
+            Metres; ``inf`` where there is no path, where other robots block all paths, where
+            there is no time to go there and home again (option `home`), and at places from which
+            it has scanned or that it failed to reach.
         """
         wanted = places_of(places)
         with self._robot.around_bodies():
@@ -329,8 +330,8 @@ class RegionExplorer(ABC):
             if place is not None and not self._robot.frontiers.is_given_up(place)
         ]
         if usable:
-            cells = self._robot.indices_of(np.array([standing[k] for k in usable]))
-            found[usable] = field.distance(cells)
+            places = np.array([standing[k] for k in usable])
+            found[usable] = self._robot.fitting_costs(field, places)
         return found
 
     def _leads(self, field: DistanceField, place: Place) -> bool:

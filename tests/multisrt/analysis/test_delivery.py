@@ -68,6 +68,34 @@ def test_measures_worked_out_on_paper(at_base, seen):
     assert list(columns["coverage"].values) == pytest.approx([0.4, 0.4, 1.0, 1.0], abs=1e-6)
 
 
+def test_what_the_base_knows_is_neither_known_to_one_nor_lost(at_base, recorded, seen, died):
+    # 40 m2 are known to the robot alone for 10 s, 60 m2 from 20 s until it dies at 30 s.
+    told = (
+        seen(0.0, LEFT),
+        sent(10.0, 0, 1),
+        learned(10.0, 0, (0, 0)),
+        seen(20.0, RIGHT, serial=1),
+    )
+    m = measure(at_base(*told))
+    assert m.known_to_one_m2s == pytest.approx(40 * 10 + 60 * 30, abs=1e-2)
+    assert m.known_to_one_by_robot_m2s == (m.known_to_one_m2s,)
+    assert m.known_to_one_m2 == pytest.approx(60.0, abs=1e-3)
+    m = measure(at_base(*told, died(30.0, 0)))
+    assert m.known_to_one_m2s == pytest.approx(40 * 10 + 60 * 10, abs=1e-2)
+    assert m.known_to_one_m2 == 0.0
+    assert m.lost_area_m2 == pytest.approx(60.0, abs=1e-3)
+    assert m.lost_area_by_robot_m2 == pytest.approx((60.0,), abs=1e-3)
+    # Without a base station all of it is.
+    m = measure(recorded(seen(0.0, LEFT), seen(20.0, RIGHT, serial=1), died(30.0, 0)))
+    assert m.known_to_one_m2s == pytest.approx(40 * 30 + 60 * 10, abs=1e-2)
+    assert m.lost_area_m2 == pytest.approx(100.0, abs=1e-3)
+
+
+def test_what_is_delivered_at_once_was_never_known_to_one(at_base, seen):
+    m = measure(at_base(seen(0.0, LEFT), sent(0.0, 0, 1), learned(0.0, 0, (0, 0))))
+    assert m.known_to_one_m2s == 0.0
+
+
 def test_all_is_delivered_in_the_end(at_base, seen):
     recording = at_base(
         seen(0.0, LEFT),

@@ -13,18 +13,20 @@ import msgspec
 import pytest
 import shapely
 
-from multisrt.analysis.measuring import measure, measure_with_curve
+from multisrt.analysis.measuring import measure, measure_with_curves
 from multisrt.environments.catalog import environment
 from multisrt.events import NodeAdded
 from multisrt.experiments import limits as limits_module
 from multisrt.experiments.crossing import PlannedRun, runs
 from multisrt.experiments.mission import make_run, world_of
 from multisrt.experiments.spec import ExperimentSpec, Limits, StartsChoice
+from multisrt.experiments.store_rows import COLUMNS, result_of, row_of
 from multisrt.experiments.worker import THREADS
 from multisrt.recording import Recording
 from multisrt.robots.registry import _registry
 from multisrt.robots.strategy import Strategy
 from multisrt.simulation.simulate import simulate
+from multisrt.spec import BaseSpec
 from tests.multisrt.experiments.results import metrics_of
 
 ENOUGH = Limits(computing_s=60.0, memory_mb=2000)
@@ -76,7 +78,8 @@ def test_a_run_equals_simulate_and_measure():
 def test_the_curve_holds_the_time_of_each_percent():
     run = planned(environments=("rooms",), robots=(2,))
     recording = simulate(run.spec)
-    metrics, curve = measure_with_curve(recording)
+    metrics, (curve, at_base) = measure_with_curves(recording)
+    assert at_base == ()
     assert len(curve) == 101
     assert curve[0] == 0.0
     nodes = recording.of(NodeAdded)
@@ -169,10 +172,10 @@ def test_messages_of_exceptions_become_one_line(register):
 
 def test_metrics_that_are_no_json_are_an_error(monkeypatch):
     def measured(recording, environment, *, horizon_s):
-        metrics, curve = measure_with_curve(recording, environment, horizon_s=horizon_s)
-        return msgspec.structs.replace(metrics, min_clearance_m=math.inf), curve
+        metrics, curves = measure_with_curves(recording, environment, horizon_s=horizon_s)
+        return msgspec.structs.replace(metrics, min_clearance_m=math.inf), curves
 
-    monkeypatch.setattr("multisrt.experiments.mission.measure_with_curve", measured)
+    monkeypatch.setattr("multisrt.experiments.mission.measure_with_curves", measured)
     result = make_run(planned(), ENOUGH)
     assert (result.status, result.metrics, result.covered_at_s) == ("error", None, ())
     assert "min_clearance_m" in result.reason
@@ -330,3 +333,26 @@ def test_unwritable_recordings_are_an_input_error(tmp_path):
 
 def test_catalogue_and_mission_build_equal_environments():
     assert world_of(planned().spec.environment) == environment("open")
+
+
+def test_the_curve_of_what_the_base_station_knew_is_kept():
+    run = planned(
+        environments=("open",), strategies=("minpos",), robots=(1,), base=BaseSpec(x=3.0, y=3.0)
+    )
+    result = make_run(run, ENOUGH)
+    metrics = result.metrics
+    assert metrics is not None
+    assert len(result.delivered_at_s) == 101
+    assert result.delivered_at_s[90] == metrics.delivered_90_s
+    # Nothing is delivered before it was covered.
+    for covered, delivered in zip(result.covered_at_s, result.delivered_at_s, strict=True):
+        assert delivered is None or (covered is not None and covered <= delivered)
+    # A store keeps both; that of a run without a base station looks as before.
+    row = row_of(result, 0)
+    assert result_of(Path("x"), row, result.success_coverage) == result
+    alone = make_run(planned(environments=("open",), strategies=("minpos",), robots=(1,)), ENOUGH)
+    assert alone.delivered_at_s == ()
+    row = row_of(alone, 0)
+    curve = row[COLUMNS.index("covered_at_s")]
+    assert msgspec.json.decode(curve, type=tuple[float | None, ...]) == alone.covered_at_s
+    assert result_of(Path("x"), row, alone.success_coverage) == alone

@@ -1,13 +1,16 @@
 """What the page shows and says of runs, in a browser."""
 
+import itertools
+
 import pytest
 import shapely
 
-from multisrt.events import GoalChosen, Learned, NodeAdded
+import multisrt as ms
+from multisrt.events import BaseLearned, GoalChosen, Learned, NodeAdded
 from multisrt.explain.srt import explain
 from multisrt.replay import save_replay
 from tests.multisrt.drawing.recordings import recorded
-from tests.multisrt.replay.shown import PICTURE, Shown, click
+from tests.multisrt.replay.shown import BELOW, PICTURE, Shown, click
 from tests.multisrt.replay.staged import OTHER, SHOWN_S, staged
 
 pytestmark = pytest.mark.slow
@@ -248,3 +251,37 @@ def test_activities_can_be_told_apart_without_colours(shown):
     )
     names = page.page.locator("#strips .keys li").all_text_contents()
     assert len(set(looks)) == len(looks) == len(names) == 8
+
+
+def test_what_the_base_station_knows_is_hatched(browser, tmp_path):
+    # A robot that goes out of reach of the base station, and comes home.
+    run = ms.explore(
+        "apartment",
+        strategy="minpos",
+        start=(3.0, 3.6),
+        base=(3.0, 3.6),
+        radio_range_m=3.0,
+        options={"home": "in-time"},
+        max_time_s=80.0,
+        seed=1,
+    )
+    save_replay(run.recording, tmp_path / "replay.html")
+    learned = sorted({event.time_s for event in run.recording.of(BaseLearned)})
+    away_s, home_s = max(itertools.pairwise(learned), key=lambda pair: pair[1] - pair[0])
+    page = Shown(browser.new_page(), (tmp_path / "replay.html").as_uri()).open()
+    assert "delivered" in page.value(
+        "[...document.querySelectorAll('#layers input')].map((box) => box.name)"
+    )
+    page.value("replay.player.layers = new Set(['truth', 'delivered'])")
+    pictures = []
+    for time_s in (away_s + 0.01, home_s - 0.01, home_s + 0.01, away_s + 0.01):
+        page.value(f"replay.player.seek({time_s})")
+        page.settle()
+        pictures.append(page.value(BELOW))
+    # It stays as it is until the robot is heard again; and going back gives the same picture.
+    assert pictures[0] == pictures[1] == pictures[3]
+    assert pictures[2] != pictures[1]
+    # The numbers of its nodes and times are those of the recording.
+    nodes = page.value("replay.player.chosen.delivered.nodes.length")
+    assert nodes == sum(len(event.nodes) for event in run.recording.of(BaseLearned))
+    page.page.close()

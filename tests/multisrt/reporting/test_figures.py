@@ -171,6 +171,27 @@ def test_coverage_curves_end_at_what_the_run_covered(study, axes_of):
     assert before[-1] == pytest.approx(0.99)
 
 
+def test_what_the_base_station_knew_has_a_curve_of_its_own(study, axes_of):
+    assert axes_of(figures.delivered_curves, study) == {}
+    results = []
+    for one in study.results:
+        late = tuple(None if t is None else 2.0 * t + 5.0 for t in one.covered_at_s)
+        results.append(msgspec.structs.replace(one, delivered_at_s=late))
+    known = Study(Results(study.results.experiment, results, len(results), provenance()))
+    covered = axes_of(figures.coverage_curves, known)
+    delivered = axes_of(figures.delivered_curves, known)
+    assert [name.replace("delivered", "coverage") for name in delivered] == list(covered)
+    for (axes, alt), (before, _) in zip(delivered.values(), covered.values(), strict=True):
+        assert axes.get_ylabel() == "known to the base station"
+        assert alt.startswith("Share of the explorable area known to the base station against")
+        assert len(axes.collections) == len(axes.lines) == len(before.lines)
+        # Twice as late, and 5 s: a median reaches 90 % later by as much.
+        for line, earlier in zip(axes.lines, before.lines, strict=True):
+            t90, was = (x_of(one)[np.argmax(y_of(one) >= 0.9)] for one in (line, earlier))
+            step = x_of(line)[1]
+            assert t90 == pytest.approx(2.0 * was + 5.0, abs=2.0 * step)
+
+
 def test_rates_of_success_are_over_all_settings(study, axes_of):
     ((axes, alt),) = axes_of(overall_figures.success_rates, study).values()
     assert "near: 1.00" in alt

@@ -131,6 +131,26 @@ def test_cells_and_centres_correspond(seen):
         occupancy.indices_of([(row, column), (500, 0)])
 
 
+def test_blocked_cells_are_passable_while_they_are_unblocked(seen):
+    occupancy = Occupancy(0.1, 0.2)
+    occupancy.add(seen.rectangle(0, 0, 3, 3))
+    free = occupancy.passable.copy()
+    # The second disc lies in part within the first.
+    with occupancy.blocked([(1.0, 1.5, 0.5)]):
+        once = occupancy.passable.copy()
+        with occupancy.blocked([(1.4, 1.5, 0.5)]):
+            twice = occupancy.passable.copy()
+            with occupancy.unblocked():
+                assert (occupancy.passable == free).all()
+            assert (occupancy.passable == twice).all()
+        assert (occupancy.passable == once).all()
+        assert once.sum() < free.sum()
+        assert twice.sum() < once.sum()
+    with occupancy.unblocked():
+        assert (occupancy.passable == free).all()
+    assert (occupancy.passable == free).all()
+
+
 def test_refuses_lengths_that_are_not_positive():
     for cell in (0.0, -1.0, np.nan, np.inf):
         with pytest.raises(InvalidInputError, match="positive width"):

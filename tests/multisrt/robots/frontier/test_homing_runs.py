@@ -2,7 +2,9 @@
 
 import itertools
 import math
+from typing import Any
 
+import msgspec
 import numpy as np
 import pytest
 import shapely
@@ -16,9 +18,23 @@ from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.regions.edge_index import EdgeIndex
 from multisrt.geometry.regions.scan import take_scan
 from multisrt.planners.motion.kinematics import Differential
-from multisrt.robots.explorer import Done, RadioSelf, RobotSelf
-from multisrt.robots.frontier.options import FrontierOptions
+from multisrt.robots.explorer import Done, Note, RadioSelf, RobotSelf, Sighting
+from multisrt.robots.frontier.alvarez import Rules
+from multisrt.robots.frontier.gain import choose_gain
+from multisrt.robots.frontier.options import (
+    BiddingOptions,
+    FrontierOptions,
+    GainOptions,
+    RulesOptions,
+    SelfBiddingOptions,
+    UtilityOptions,
+)
+from multisrt.robots.frontier.progress import Event
 from multisrt.robots.frontier.robot import FrontierRobot
+from multisrt.robots.frontier.self_bidding import choose_by_self_bidding
+from multisrt.robots.frontier.utility import choose_utility
+from multisrt.robots.frontier.wavefront_costs import WavefrontCosts
+from multisrt.robots.frontier.wavefront_rules import choose_closest, choose_greedy, choose_minpos
 from multisrt.robots.registry import registered
 from multisrt.robots.strategy import Strategy
 from multisrt.robots.toolkit import RegionExplorer
@@ -91,12 +107,12 @@ def in_time():
     return go(NARROW, (1.0, 0.6), home="in-time", limit_s=100.0)
 
 
-def left_s(choice):
+def left_s(choice, goal):
     """Time that a goal leaves: at 0.5 m/s there, and home to x = 3.5 with a quarter more."""
-    there_s = choice.time_s + (choice.goal[0] - x_of(choice)) / 0.5
+    there_s = choice.time_s + (goal[0] - x_of(choice)) / 0.5
     # The node at x = 3.5 is the last within 3 m of the base; half a turn is 2 s, and 10 s are left
     # at home, besides two legs of a second each of which takes 2.25 s.
-    return 100.0 - there_s - (choice.goal[0] - 3.5) / 0.5 * 1.25 - 2.0 - 10.0 - 4.5
+    return 100.0 - there_s - (goal[0] - 3.5) / 0.5 * 1.25 - 2.0 - 10.0 - 4.5
 
 
 def x_of(choice):
@@ -106,13 +122,16 @@ def x_of(choice):
 
 def test_it_turns_back_when_the_next_goal_and_the_way_home_do_not_fit(in_time):
     [(turned_s, text)] = told(in_time)
-    assert text == "goes home: there is no time for its next goal and the way home"
+    assert text == "goes home: there is no time for another goal and the way home"
     choices = [c for c in in_time.of(GoalChosen) if c.time_s <= turned_s]
     *fitting, last = choices
     assert last.time_s == turned_s
     # Half a cell of the goal's place, on both ways, is 0.5 s.
-    assert all(left_s(choice) > -0.5 for choice in fitting)
-    assert left_s(last) < 0.5
+    assert all(left_s(choice, choice.goal) > -0.5 for choice in fitting)
+    # The frontier ahead is known, and no candidate.
+    [ahead] = last.frontiers
+    assert last.goal is None
+    assert left_s(last, ahead) < 0.5
     # That is, with goals 4 m ahead and one choice in 2 s, at 32 s and x = 17.
     assert (turned_s, place_at(in_time, turned_s)[0]) == (32.0, pytest.approx(17.0, abs=0.05))
 
@@ -155,7 +174,7 @@ def test_a_robot_that_has_explored_all_brings_it_home():
     assert ended.complete
 
 
-def corridor_robot(**options):
+def corridor_robot(kind=FrontierOptions, **options):
     """A robot at x = 13.5 in the narrow corridor that has scanned every half metre."""
     me = RobotSelf(
         robot=0,
@@ -168,7 +187,7 @@ def corridor_robot(**options):
         radio=RadioSelf(range_m=3.0, reaches_all=False),
         limit_s=100.0,
     )
-    robot = FrontierRobot(me, FrontierOptions(home="in-time", **options))
+    robot = FrontierRobot(me, kind(home="in-time", **options))
     index = EdgeIndex(NARROW.edges, 1.5)
     for x in np.arange(1.0, 13.6, 0.5):
         robot.map.add(take_scan(index, Configuration(x, 0.6, 0.0), x, 4.0))
@@ -188,6 +207,121 @@ def test_it_is_called_home_on_the_way_when_the_time_has_come():
     assert not robot.is_called_home()
     robot.course.time_s = 58.8
     assert robot.is_called_home()
+
+
+BRANCHED = Environment(
+    "branched", shapely.union_all([shapely.box(0, 0, 60, 1.2), shapely.box(4.4, 1.2, 5.6, 12)])
+)
+CHOOSERS = {
+    "closest": (choose_closest, BiddingOptions),
+    "greedy": (choose_greedy, BiddingOptions),
+    "minpos": (choose_minpos, BiddingOptions),
+    "utility": (choose_utility, UtilityOptions),
+    "self-bidding": (choose_by_self_bidding, SelfBiddingOptions),
+    "rules": (Rules().choose, RulesOptions),
+    "gain": (choose_gain, GainOptions),
+}
+
+
+def branched_robot(kind=FrontierOptions):
+    """A robot at x = 17 of a corridor that has a branch at x = 5, of which it saw the mouth."""
+    robot = corridor_robot(kind)
+    index = EdgeIndex(BRANCHED.edges, 1.5)
+    robot = FrontierRobot(robot.me, kind(home="in-time"))
+    for x in np.arange(1.0, 17.1, 0.5):
+        robot.map.add(take_scan(index, Configuration(x, 0.6, 0.0), x, 4.0))
+    robot.course.arrive(Configuration(17.0, 0.6, 0.0), 0.0)
+    return robot
+
+
+@pytest.mark.parametrize("rule", CHOOSERS)
+def test_every_rule_chooses_among_the_goals_that_there_is_time_for(rule):
+    # Ahead, at x = 21: 8 s there, 17.5 m or 43.75 s home to x = 3.5, 2 s for half a turn, 10 s in
+    # reserve and 4.5 s for two legs: it fits until 31.75 s. In the branch, at (5, 4.6): some 16 m
+    # or 32 s there, 5.5 m or 13.75 s home, and 16.5 s: it fits until 37 s or so.
+    choose, kind = CHOOSERS[rule]
+    ahead, branch, neither = (chosen_at(choose, kind, time_s) for time_s in (30.0, 34.0, 41.0))
+    if rule == "closest":
+        assert ahead.x == pytest.approx(20.9, abs=0.2)
+    assert ahead is not None
+    assert branch.x == pytest.approx(5.0, abs=0.4)
+    assert branch.y == pytest.approx(4.5, abs=0.3)
+    assert neither is None
+
+
+def chosen_at(choose, kind, time_s):
+    robot = branched_robot(kind)
+    robot.course.time_s = time_s
+    notes: list[Any] = []
+    goal = finished(choose(robot, Event.START), notes)
+    assert all(isinstance(note, Note) for note in notes)
+    assert robot.homing.has_left_out is (time_s > 31.75)
+    assert goal is None or robot.homing.fits(robot.course, goal)
+    return goal
+
+
+def finished(steps, notes):
+    """Return what a generator returns."""
+
+    def whole():
+        result.append((yield from steps))
+
+    result: list[Any] = []
+    notes.extend(whole())
+    [made] = result
+    return made
+
+
+def test_bodies_in_the_way_do_not_change_ways_home_that_are_kept():
+    robot = branched_robot(BiddingOptions)
+    robot.course.time_s = 34.0
+    # A body bars the corridor between the robot and home, where no way home was asked for before.
+    robot.bodies.add(
+        Sighting(
+            robot=1, configuration=Configuration(10.0, 0.6, 0.0), footprint=Footprint.disc(0.5)
+        )
+    )
+    with robot.around_bodies():
+        robot.fitting_costs(robot.own_field(), robot.targets())
+    # From x = 15 to x = 3.5, as if the body were not there: it may leave.
+    assert robot.homing._ways.lengths(np.array([(15.05, 0.65)]))[0] == pytest.approx(11.5, abs=0.3)
+
+
+def test_the_others_are_assigned_what_this_robot_has_no_time_for():
+    # Robot 1 stands at x = 18 and is nearer to the goal ahead, which robot 0 has no time for.
+    robot = branched_robot(BiddingOptions)
+    robot.course.time_s = 34.0
+    report = robot.team.own_report()
+    place = (18.0, 0.6, 0.0)
+    robot.team.mates.take(msgspec.structs.replace(report, robot=1, place=place, phase="driving"))
+    costs = WavefrontCosts(robot)
+    [late] = [k for k, (x, _) in enumerate(costs.targets.tolist()) if x > 20.0]
+    frontiers = np.arange(len(costs.targets))
+    mine, theirs = costs.nearest(0, frontiers), costs.nearest(1, frontiers)
+    assert mine is not None
+    assert theirs is not None
+    assert mine[1] != late
+    assert theirs[1] == late
+    assert costs.own_cost(late) == math.inf
+
+
+def test_after_its_delivery_it_goes_to_what_is_near_and_ends_when_nothing_is():
+    world = Environment(
+        "branches",
+        shapely.union_all(
+            [shapely.box(0, 0, 60, 1.2), *(shapely.box(x, 1.2, x + 1, 9) for x in (10, 16))]
+        ),
+    )
+    recording = go(world, (1.0, 0.6), home="in-time", strategy="gain", limit_s=130.0)
+    metrics = measure(recording, world)
+    assert metrics.delivered_coverage == same(metrics.coverage)
+    choices = recording.of(GoalChosen)
+    # It went on by choices that were not the nearest to where it was, nor the last of its life.
+    late = [c for c in choices if c.goal is not None and None in c.costs[0]]
+    assert late
+    [ended] = recording.of(Ended)
+    assert ended.reason == "no time is left for another goal and the way home"
+    assert ended.time_s <= 130.0
 
 
 def test_a_robot_that_carries_nothing_is_not_called_home():

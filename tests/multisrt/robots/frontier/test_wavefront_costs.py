@@ -39,6 +39,7 @@ class GridRobot:
         ]
         self.team = SimpleNamespace(present=lambda: reports)
         self.frontiers = SimpleNamespace(leaves_out=False)
+        self.homing = None
         self.marched: list[DistanceField] = []
         self._targets = np.array([(c + 0.5, r + 0.5) for r, c in targets]).reshape(-1, 2)
 

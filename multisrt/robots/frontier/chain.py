@@ -1,0 +1,355 @@
+"""Chains of robots that keep the base station in touch while one of them explores.
+
+The robot of the lowest number that is not lost is the *front*. It goes to those frontiers only from
+which a chain of relays, as many as there are other robots, reaches the base station, and waits
+until the relays are in place (`multisrt.planners.relay_chain`). Its reports tell who stands where.
+The others explore as far as the base station, or a relay in place, surely hears them; one that is
+called goes to its place and stays until the front calls it elsewhere or lets it go, which it does
+as soon as its chain is shorter, or it has nothing to do. Nobody waits for ever: who is called and
+does not come in time is taken as lost, and who does not hear the front for a while takes that as
+lost; then the next robot is the front.
+
+Source: see `multisrt.planners.relay_chain`. Differs in: what links places surely is worked out from
+the own map, and not from measured signals: the radio's range less a margin, and where walls matter
+a line of sight over cells known to be free. On the way from one goal to the next the front may be
+out of touch for a moment, as only its goals are checked.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Sequence
+from itertools import pairwise, takewhile
+
+import numpy as np
+
+from multisrt.geometry.grids.occupancy.layers import FREE
+from multisrt.geometry.grids.sight import in_sight
+from multisrt.geometry.numerics.arrays import BoolArray, FloatArray
+from multisrt.planners.relay_chain import relay_places
+from multisrt.robots.explorer import RobotSelf
+from multisrt.robots.frontier.course import Course
+from multisrt.robots.frontier.errands import Errand
+from multisrt.robots.frontier.frontiers import Frontiers
+from multisrt.robots.frontier.goal import Goal, Place
+from multisrt.robots.frontier.messages import ChainLink
+from multisrt.robots.frontier.options import FrontierOptions
+from multisrt.robots.frontier.scan_map import ScanMap
+from multisrt.robots.frontier.team import TOUCH_PERIODS, Team, link_of
+from multisrt.robots.frontier.ways import Ways
+from multisrt.robots.homing.just_in_time import JustInTime
+
+IN_PLACE_M = 1.0
+"""A relay this near to its place is there, in metres."""
+
+CLEAR_M = 1.5
+"""Relays are called to places at least this far from the front, in metres, where they can be."""
+
+MAX_LATE = 3
+"""A robot that was late as often is not called any more."""
+
+STEP_M = 0.25
+"""Places along a way are at most this far apart, in metres."""
+
+
+class Chain:
+    """One robot's part in the chain.
+
+    Parameters
+    ----------
+    me : RobotSelf
+        What the robot knows of itself; it has a base station.
+    options : FrontierOptions
+        Its parameters.
+    course : Course
+        Where it is.
+    map : ScanMap
+        What it knows.
+    team : Team
+        Its messages.
+    ways : Ways
+        Its ways home.
+    time : JustInTime
+        How long ways last.
+    frontiers : Frontiers
+        Its targets.
+    """
+
+    def __init__(
+        self,
+        me: RobotSelf,
+        options: FrontierOptions,
+        course: Course,
+        map: ScanMap,
+        team: Team,
+        ways: Ways,
+        time: JustInTime,
+        frontiers: Frontiers,
+    ) -> None:
+        assert me.base is not None
+        self._me = me
+        self._base: Place = me.base
+        self._link_m = options.home_link * me.radio.range_m
+        self._options = options
+        self._course = course
+        self._map = map
+        self._team = team
+        self._ways = ways
+        self._time = time
+        self._frontiers = frontiers
+        self._follows: int | None = None
+        # How often each robot was called and did not come in time.
+        self._late: Counter[int] = Counter()
+
+    # Roles ----------------------------------------------------------------------------------
+
+    @property
+    def others(self) -> list[int]:
+        """The robots that were heard and are not lost, by number."""
+        mates = self._team.mates
+        return [number for number in sorted(mates.reports) if not mates.is_lost(number)]
+
+    @property
+    def _relays(self) -> list[int]:
+        """The robots that may be called, by number: all that were not late too often."""
+        return [number for number in self.others if self._late[number] < MAX_LATE]
+
+    @property
+    def front(self) -> int:
+        """Number of the robot that explores at the front."""
+        return min([self._me.robot, *self.others])
+
+    @property
+    def is_front(self) -> bool:
+        """Whether this robot is the front."""
+        return self.front == self._me.robot
+
+    def _told(self) -> tuple[ChainLink, ...] | None:
+        """Return the links that the front told last."""
+        return None if self.is_front else self._team.mates.reports[self.front].links
+
+    @property
+    def is_led(self) -> bool:
+        """Whether another robot is the front, and has something to do."""
+        return self._told() is not None
+
+    @property
+    def own_link(self) -> Place | None:
+        """Where this robot is to stand as a relay; None if it is not called."""
+        if self.is_front:
+            return None
+        return link_of(self._team.mates.reports[self.front], self._me.robot)
+
+    # Choosing -------------------------------------------------------------------------------
+
+    def only_in_reach(self, places: FloatArray, costs_m: FloatArray) -> FloatArray:
+        """Return the lengths of paths to places, ``inf`` where the base station would not hear.
+
+        Parameters
+        ----------
+        places : (m, 2) array
+            Places in passable cells, in metres.
+        costs_m : (m,) array
+            Lengths of the paths there in metres.
+
+        Returns
+        -------
+        (m,) array
+            As they are, if no way home is known: it has to be found.
+        """
+        if not self._ways.lead_home:
+            return costs_m
+        reached = np.isfinite(costs_m)
+        for k in np.flatnonzero(reached).tolist():
+            x, y = places[k].tolist()
+            reached[k] = self._reaches((x, y))
+        return np.where(reached, costs_m, np.inf)
+
+    def _reaches(self, place: Place) -> bool:
+        links = self._standing() if self.is_front else self._told() or ()
+        anchors = [self._base, *(link.place for link in links)]
+        if any(self.linked(np.array([place]), anchor)[0] for anchor in anchors):
+            return True
+        if not self.is_front:
+            return False
+        if math.dist(place, self._base) > self._link_m * (len(self._relays) + 1):
+            return False
+        return self._places_for(place) is not None
+
+    def _standing(self) -> tuple[ChainLink, ...]:
+        """Return the links that the front told, up to the first whose robot is lost."""
+        relays = self._relays
+        return tuple(takewhile(lambda link: link.robot in relays, self._team.links or ()))
+
+    def _places_for(self, place: Place) -> tuple[Place, ...] | None:
+        """Return where relays stand for a goal; None if there are too few, or no way is known."""
+        if self.linked(np.array([place]), self._base)[0]:
+            return ()
+        path = self._ways.path_from_home(place)
+        if path is None:
+            return ()
+        return relay_places(
+            _points_along(path, STEP_M),
+            self._base,
+            self.linked,
+            max_relays=len(self._relays),
+            kept=[link.place for link in self._standing()],
+            clear_of=self._course.at[:2],
+            clear_m=CLEAR_M,
+        )
+
+    def linked(self, places: FloatArray, at: Place) -> BoolArray:
+        """Return which places are surely linked with a place, ``(n,)``.
+
+        They are within the radio's range less a margin; where walls matter, and in sight of it over
+        cells that are known to be free.
+        """
+        near: BoolArray = np.hypot(*(places - np.array(at)).T) <= self._link_m
+        if not self._me.radio.walls_matter or not near.any():
+            return near
+        raster = self._map.raster
+        if not raster.is_known(*at):
+            return np.zeros(len(places), np.bool_)
+        row, column = raster.cell_of(*at)
+        row, column = row - raster.row, column - raster.column
+        known = np.array([raster.is_known(x, y) for x, y in places.tolist()], np.bool_)
+        near &= known
+        free = raster.cells == FREE
+        indices = raster.indices_at(places[near])
+        near[near] = [in_sight(free, column + 0.5, row + 0.5, c, r) for r, c in indices.tolist()]
+        return near
+
+    # The front ------------------------------------------------------------------------------
+
+    def call(self, goal: Goal) -> Errand | None:
+        """Call the relays that a goal needs; return the errand to wait for them, if any is late."""
+        places = self._places_for(goal.place) or ()
+        self._team.links = self._assigned(places)
+        late = self._not_in_place()
+        if not late:
+            return None
+        here = self._course.at[:2]
+        way_s = [self._way_s(link) for link in late]
+        named = ", ".join(str(link.robot) for link in late)
+        return Errand(
+            kind="wait",
+            why=f"for {'robots' if len(late) > 1 else 'robot'} {named} to come to "
+            f"{'their places' if len(late) > 1 else 'its place'}",
+            goal=Goal(*here, np.array([here]), 0.0),
+            is_over=lambda: not self._not_in_place(),
+            until_s=self._course.time_s + max(way_s) + self._options.home_wait_s,
+        )
+
+    def note_in_vain(self) -> list[int]:
+        """Record that relays did not come; return the numbers of those that are taken as lost."""
+        now_s, mates = self._course.time_s, self._team.mates
+        late = [link.robot for link in self._not_in_place()]
+        self._late.update(late)
+        lost = [n for n in late if mates.last_heard_s(n) < now_s - self._options.home_wait_s]
+        for number in lost:
+            mates.note_lost(number, now_s)
+        return lost
+
+    def let_go(self) -> None:
+        """Let all relays go, as the front has nothing to do."""
+        self._team.links = None
+
+    def _assigned(self, places: Sequence[Place]) -> tuple[ChainLink, ...]:
+        """Return who stands where: who is there stays, others come from the nearest place."""
+        free = self._relays
+        before = {link.place: link.robot for link in self._team.links or () if link.robot in free}
+        held = {place: before[place] for place in places if place in before}
+        for number in held.values():
+            free.remove(number)
+        reports, links = self._team.mates.reports, []
+        for place in places:
+            if place not in held:
+                nearest = min(free, key=lambda n: (self._length(reports[n].place[:2], place), n))
+                held[place] = nearest
+                free.remove(nearest)
+            links.append(ChainLink(robot=held[place], place=place))
+        return tuple(links)
+
+    def _not_in_place(self) -> list[ChainLink]:
+        mates, now_s = self._team.mates, self._course.time_s
+        since_s = now_s - TOUCH_PERIODS * self._options.report_period_s
+        return [
+            link
+            for link in self._team.links or ()
+            if mates.last_heard_s(link.robot) < since_s
+            or math.dist(mates.reports[link.robot].place[:2], link.place) > IN_PLACE_M
+        ]
+
+    def _way_s(self, link: ChainLink) -> float:
+        length_m = self._length(self._team.mates.reports[link.robot].place[:2], link.place)
+        return self._time.way_s(length_m) if math.isfinite(length_m) else 0.0
+
+    def _length(self, here: Place, there: Place) -> float:
+        return self._ways.length_between(here, there)
+
+    # A relay --------------------------------------------------------------------------------
+
+    def follow(self) -> Errand | None:
+        """Return the errand of a relay: to stand at its place while the front is heard."""
+        place = self.own_link
+        if place is None:
+            return None
+        front = self.front
+        return self._errand_at(
+            place, f"at link {place[0]:.1f}, {place[1]:.1f} of robot {front}", front
+        )
+
+    def stand_by(self) -> Errand | None:
+        """Return the errand of a robot that has no goal: to wait until the front calls it."""
+        if not self.is_led:
+            return None
+        front = self.front
+        return self._errand_at(None, f"by, to be called by robot {front}", front)
+
+    def _errand_at(self, place: Place | None, why: str, front: int) -> Errand:
+        mates, revision = self._team.mates, self._map.raster.revision
+        self._follows = front
+        at = self._course.at[:2]
+        here = Goal(*at, np.array([at]), 0.0)
+        return Errand(
+            kind="link",
+            why=why,
+            # Where bodies bar all paths it waits: its front goes on without it in the end.
+            goal=here if place is None else self._ways.goal_near(place) or here,
+            is_over=lambda: (
+                self.front != front
+                or not self.is_led
+                or self.own_link != place
+                # Who stands by may have a goal, with what is new.
+                or (place is None and self._has_goal_since(revision))
+            ),
+            patience_s=self._options.home_wait_s,
+            heard_s=lambda: mates.last_heard_s(front),
+        )
+
+    def _has_goal_since(self, revision: int) -> bool:
+        """Whether there is a frontier in reach by what is new since a revision of the map."""
+        if self._map.raster.revision == revision:
+            return False
+        places = [(x, y) for x, y in self._frontiers.targets().tolist()]
+        return any(self._reaches(place) for place in places)
+
+    def note_unheard(self) -> int | None:
+        """Take the front as lost that was not heard for long; return its number."""
+        front, now_s = self._follows, self._course.time_s
+        heard_s = -math.inf if front is None else self._team.mates.last_heard_s(front)
+        if front is None or now_s < heard_s + self._options.home_wait_s:
+            return None
+        self._team.mates.note_lost(front, now_s)
+        return front
+
+
+def _points_along(path: FloatArray, step_m: float) -> FloatArray:
+    """Return places along a path that are at most so far apart, ``(n, 2)`` metres."""
+    points = [path[:1]]
+    for a, b in pairwise(path):
+        count = max(1, math.ceil(math.dist(a, b) / step_m))
+        shares = np.arange(1, count + 1)[:, None] / count
+        points.append(a + shares * (b - a))
+    return np.vstack(points)

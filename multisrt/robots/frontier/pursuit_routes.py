@@ -1,0 +1,196 @@
+"""Routes over frontiers, of this robot and of its mates, as one robot plans them for a pursuit."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from multisrt.geometry.configuration import Configuration
+from multisrt.geometry.grids.grid_path import shortest_path
+from multisrt.geometry.numerics.arrays import BoolArray, FloatArray, IntArray
+from multisrt.planners.assignment.shared_routes import UNREACHABLE, SharedRoutes, shared_routes
+from multisrt.planners.navigation.path_following import ahead
+from multisrt.robots.explorer import RobotSelf
+from multisrt.robots.frontier.course import Course
+from multisrt.robots.frontier.fields import indices_of
+from multisrt.robots.frontier.goal import Place
+from multisrt.robots.frontier.messages import RobotReport
+from multisrt.robots.frontier.path_finder import PathFinder
+from multisrt.robots.frontier.scan_map import ScanMap
+
+UNIT_M = 0.01
+"""Lengths of routes are compared in whole units of this."""
+
+
+class Routes:
+    """Lengths of ways and paths over what a robot knows, without regard to bodies.
+
+    Parameters
+    ----------
+    me : RobotSelf
+        What the robot knows of itself.
+    map : ScanMap
+        What it knows.
+    paths : PathFinder
+        Its paths.
+
+    Attributes
+    ----------
+    number : int
+        Number of the robot.
+    """
+
+    def __init__(self, me: RobotSelf, map: ScanMap, paths: PathFinder) -> None:
+        self.number = me.robot
+        self._map = map
+        self._paths = paths
+
+    def table(
+        self,
+        targets: FloatArray,
+        reports: Sequence[RobotReport],
+        known: Mapping[int, BoolArray],
+        course: Course,
+    ) -> RouteTable:
+        """Return the routes over targets; the parameters are those of `RouteTable`."""
+        return RouteTable(self, targets, reports, known, course)
+
+    def costs(self, places: Sequence[Place], targets: FloatArray) -> IntArray:
+        """Return the lengths of paths from places to targets, ``(k, m)`` whole units."""
+        found = np.full((len(places), len(targets)), UNREACHABLE, np.int64)
+        indices = indices_of(self._map.raster, targets)
+        for row, place in enumerate(places):
+            field = self._paths.field(*place)
+            if field is not None:
+                way_m = field.distance(indices)
+                reached = np.isfinite(way_m)
+                found[row, reached] = np.round(way_m[reached] / UNIT_M).astype(np.int64)
+        return found
+
+    def path_between(self, here: Place, there: Place) -> FloatArray | None:
+        """Return the path between two places, ``(n, 2)`` metres; None if there is none."""
+        field = self._paths.field(*here)
+        index = indices_of(self._map.raster, np.array([there]))
+        if field is None or not math.isfinite(field.distance(index)[0]):
+            return None
+        return shortest_path(field, index[0])
+
+
+class RouteTable:
+    """The routes of all robots over the targets, for one look at whether to pursue.
+
+    Parameters
+    ----------
+    routes : Routes
+        The lengths of ways.
+    targets : (m, 2) array
+        The targets in metres.
+    reports : sequence of RobotReport
+        What the others told last.
+    known : mapping of int to (m,) array of bool
+        For each of them, by number and in the same order, which targets it knows.
+    course : Course
+        Where this robot is.
+    """
+
+    def __init__(
+        self,
+        routes: Routes,
+        targets: FloatArray,
+        reports: Sequence[RobotReport],
+        known: Mapping[int, BoolArray],
+        course: Course,
+    ) -> None:
+        self._routes = routes
+        self._targets = targets
+        self._robots = [routes.number, *(report.robot for report in reports)]
+        # A robot ends its way to its goal before it takes another.
+        ends = [r.place[:2] if r.goal is None else r.goal for r in reports]
+        self._starts = routes.costs([course.at[:2], *ends], targets)
+        self._between = routes.costs([(x, y) for x, y in targets.tolist()], targets)
+        rests = [0, *(round(report.remaining_m / UNIT_M) for report in reports)]
+        self._before = np.array(rests, np.int64)
+        self._known = np.array([np.ones(len(targets), np.bool_), *known.values()])
+
+    def row_of(self, robot: int) -> int:
+        """Return the row of a robot."""
+        return self._robots.index(robot)
+
+    def apart(self) -> SharedRoutes:
+        """Return the routes if no mate is pursued."""
+        return shared_routes(self._starts, self._between, allowed=self._known, before=self._before)
+
+    def together(
+        self, mate: int, place: Place, before_units: int, passed: tuple[int, ...]
+    ) -> SharedRoutes:
+        """Return the routes if a mate is met, without the targets that it has passed then."""
+        starts, before, known = self._starts.copy(), self._before.copy(), self._known.copy()
+        rows = [0, self.row_of(mate)]
+        starts[rows] = self._routes.costs([place], self._targets)[0]
+        before[rows] = before_units
+        known[rows] = True
+        left = np.setdiff1d(np.arange(len(self._targets)), passed)
+        return shared_routes(
+            starts[:, left],
+            self._between[np.ix_(left, left)],
+            allowed=known[:, left],
+            before=before,
+        )
+
+    def route(
+        self, report: RobotReport, planned: tuple[int, ...]
+    ) -> tuple[FloatArray, list[tuple[int, float]]]:
+        """Return a mate's route from where it was, and at which length it passes targets."""
+        path = np.array(report.path or [report.place[:2]]).reshape(-1, 2)
+        route = [report.place[:2], *map(tuple, ahead(path, Configuration(*report.place)).tolist())]
+        passes = []
+        for target in planned:
+            x, y = self._targets[target].tolist()
+            leg = self._routes.path_between(route[-1], (x, y))
+            if leg is None:
+                break
+            route += [(a, b) for a, b in leg.tolist()]
+            passes.append((target, length_m(route)))
+        return np.array(route), passes
+
+
+def length_m(route: Sequence[Place]) -> float:
+    """Return the length of a route in metres.
+
+    Examples
+    --------
+    >>> length_m([(0.0, 0.0), (3.0, 4.0), (3.0, 5.0)])
+    6.0
+    """
+    return math.fsum(map(math.dist, route[:-1], route[1:]))
+
+
+def cells_of(route: FloatArray, cell_m: float) -> tuple[FloatArray, FloatArray]:
+    """Return the places along a route, one a cell and its end, and how far along each is.
+
+    Parameters
+    ----------
+    route : (n, 2) array
+        Its corners in metres.
+    cell_m : float
+        Length of a cell in metres.
+
+    Returns
+    -------
+    cells : (k, 2) array
+        The places in metres.
+    at_m : (k,) array
+        How far along the route each is, in metres.
+
+    Examples
+    --------
+    >>> cells_of(np.array([[0.0, 0.0], [7.0, 0.0]]), 3.0)[1].tolist()
+    [0.0, 3.0, 6.0, 7.0]
+    """
+    legs = np.hypot(*np.diff(route, axis=0).T) if len(route) > 1 else np.empty(0)
+    along = np.concatenate([[0.0], np.cumsum(legs)])
+    at_m = np.append(np.arange(0.0, along[-1], cell_m), along[-1]) if along[-1] else np.zeros(1)
+    cells = np.column_stack([np.interp(at_m, along, route[:, k]) for k in (0, 1)])
+    return cells, at_m

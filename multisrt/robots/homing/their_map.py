@@ -1,0 +1,54 @@
+"""What another participant knows, as far as this robot can tell: the nodes that it has."""
+
+from __future__ import annotations
+
+from multisrt.geometry.grids.occupancy import Occupancy
+from multisrt.robots.knowledge import CountsByRobot, Entries, NodeId
+
+
+class TheirMap:
+    """A raster of the nodes that a robot, or the base station, is known to have.
+
+    Parameters
+    ----------
+    entries : Entries
+        The nodes of this robot.
+    raster : Occupancy
+        Its raster, whose width of cells and body are taken over.
+
+    Attributes
+    ----------
+    raster : Occupancy
+        What they know.
+
+    Examples
+    --------
+    >>> theirs = TheirMap(Entries(), Occupancy(0.1, 0.25))
+    >>> theirs.take({0: (3, 0)})  # this robot has none of these nodes
+    >>> theirs.raster.is_known(1.0, 1.0)
+    False
+    """
+
+    def __init__(self, entries: Entries, raster: Occupancy) -> None:
+        self.raster = Occupancy(raster.cell_m, raster.radius_m)
+        self._entries = entries
+        self._painted: dict[int, int] = {}
+
+    def take(self, have: CountsByRobot) -> None:
+        """Add the nodes that they have.
+
+        Parameters
+        ----------
+        have : mapping of int to (nodes, closings)
+            What they have; counts never fall from call to call.
+        """
+        for robot, (count, _) in have.items():
+            first = self._painted.get(robot, 0)
+            for serial in range(first, count):
+                node = self._entries.nodes.get(NodeId(robot, serial))
+                if node is None:
+                    # This robot lacks it; it is looked for again next time.
+                    count = serial
+                    break
+                self.raster.add(node.region)
+            self._painted[robot] = max(first, count)

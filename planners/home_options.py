@@ -1,0 +1,68 @@
+"""Parameters of robots that can bring news to a base station, whatever their strategy is."""
+
+from __future__ import annotations
+
+import math
+from typing import Literal
+
+import msgspec
+
+from multisrt.geometry.errors import InvalidInputError
+
+Home = Literal["never", "in-time", "worth", "relays", "chain"]
+
+
+class HomeOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """When robots bring home what they know, and how long ways home are taken to last.
+
+    Attributes
+    ----------
+    home : {"never", "in-time", "worth", "relays", "chain"}
+        When a robot drives to where the base station hears it. "never": on no account. "in-time":
+        when it has explored all it can, and so that what it carries is delivered before the run's
+        time limit. "worth": then, and when what it carries is worth the way. "relays": robots go
+        in pairs, of which one explores and the other carries its news home. "chain": robots line up
+        as relays, so that the base station hears the one that explores. Other values than "never"
+        need a base station.
+    home_margin : float
+        Share by which ways home are taken to last longer than their length at full speed, for
+        turns, scans and other robots on the way.
+    home_reserve_s : float
+        Time in seconds that is to be left at home for the delivery, and for delays that do not
+        depend on the way.
+    home_ratio : float
+        "worth": a robot goes home when the area that the base station knows is less than this
+        share of that area and the one it does not know yet.
+    home_wait_s : float
+        Time in seconds for which a robot waits for an acknowledgement where it should be heard,
+        with "relays" for its mate after the time agreed on, and with "chain" for a relay that is
+        late, or for the front that is not heard.
+
+    Raises
+    ------
+    InvalidInputError
+        If a value is outside its range.
+
+    Examples
+    --------
+    >>> HomeOptions(home_margin=-1.0)
+    Traceback (most recent call last):
+    ...
+    multisrt.geometry.errors.InvalidInputError: home_margin is -1.0; it must be 0 or more
+    """
+
+    home: Home = "never"
+    home_margin: float = 0.25
+    home_reserve_s: float = 10.0
+    home_ratio: float = 0.8
+    home_wait_s: float = 30.0
+
+    def __post_init__(self) -> None:
+        for name, holds, allowed in (
+            ("home_margin", 0.0 <= self.home_margin < math.inf, "0 or more"),
+            ("home_reserve_s", 0.0 <= self.home_reserve_s < math.inf, "0 or more"),
+            ("home_ratio", 0.0 < self.home_ratio < 1.0, "between 0 and 1"),
+            ("home_wait_s", 0.0 < self.home_wait_s < math.inf, "positive"),
+        ):
+            if not holds:
+                raise InvalidInputError(f"{name} is {getattr(self, name)}; it must be {allowed}")

@@ -1,0 +1,153 @@
+"""Places of relays that link the place where a robot goes with the base station.
+
+The relays stand on the way home from that place. From the base station on, each stands at the last
+place of the way that is surely linked with the one before, until the end of the way is linked. So
+no chain along that way needs fewer relays, if what is linked with a place is the first part of the
+way; and a longer way along the same path begins with the same places, so that relays stay where
+they are while the front advances.
+
+Source: M. N. Rooker and A. Birk, Multi-robot exploration under the constraints of wireless
+networking, Control Engineering Practice 15 (2007), where robots go to frontiers only together with
+a chain of others to the base station; Y. Pei, M. W. Mutka and N. Xi, Coordinated multi-robot
+real-time exploration with connectivity and bandwidth awareness, ICRA 2010, where relays are placed
+for a front by a Steiner minimum tree with bounded edges. Differs in: there is one front at a time,
+so the tree is a path, and its relays are placed greedily along the way home and not anywhere.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from multisrt.geometry.numerics.arrays import BoolArray, FloatArray
+
+Place = tuple[float, float]
+
+Linked = Callable[[FloatArray, Place], BoolArray]
+"""Which of some places ``(n, 2)`` are surely linked with a place."""
+
+NEAR_M = 1.0
+"""A relay stays where it is, in metres, if the way passes it within this."""
+
+
+def relay_places(
+    path: FloatArray,
+    base: Place,
+    linked: Linked,
+    *,
+    max_relays: int,
+    kept: Sequence[Place] = (),
+    clear_of: Place | None = None,
+    clear_m: float = 0.0,
+) -> tuple[Place, ...] | None:
+    """Return where relays stand that link the end of a way with the base station.
+
+    Parameters
+    ----------
+    path : (n, 2) array
+        Places along the way in metres, the first linked with the base station.
+    base : (x, y)
+        Where the base station is, in metres.
+    linked : callable
+        Which places are linked with one.
+    max_relays : int
+        Number of relays that there are.
+    kept : sequence of (x, y)
+        Where relays stand now, from the base station on: the first of them are kept while they are
+        linked with each other and the way passes them.
+    clear_of : (x, y), optional
+        Where the front stands now; new relays stand `clear_m` before that, if they can.
+    clear_m : float
+        Metres.
+
+    Returns
+    -------
+    tuple of (x, y) or None
+        The places from the base station on, empty if no relay is needed; None if there are too few.
+
+    Examples
+    --------
+    A way of 30 m along a line, links of 9 m, the base station at its beginning:
+
+    >>> path = np.column_stack([np.arange(0.0, 31.0), np.zeros(31)])
+    >>> linked = lambda places, at: np.hypot(*(places - at).T) <= 9.0
+    >>> relay_places(path, (0.0, 0.0), linked, max_relays=3)
+    ((9.0, 0.0), (18.0, 0.0), (27.0, 0.0))
+    >>> relay_places(path, (0.0, 0.0), linked, max_relays=2) is None
+    True
+    >>> relay_places(path[:10], (0.0, 0.0), linked, max_relays=2)
+    ()
+    """
+    if kept:
+        found = _placed(path, base, linked, max_relays, kept, clear_of, clear_m)
+        if found is not None:
+            return found
+    return _placed(path, base, linked, max_relays, (), clear_of, clear_m)
+
+
+def _placed(
+    path: FloatArray,
+    base: Place,
+    linked: Linked,
+    max_relays: int,
+    kept: Sequence[Place],
+    clear_of: Place | None,
+    clear_m: float,
+) -> tuple[Place, ...] | None:
+    at, first, places = base, 0, list[Place]()
+    while True:
+        ahead = linked(path[first:], at)
+        if ahead[-1]:
+            return tuple(places)
+        if len(places) == max_relays:
+            return None
+        following = None
+        if len(places) < len(kept):
+            following = _kept(path, at, linked, kept[len(places)], first)
+        if following is None:
+            following = _farthest(path, ahead, first, clear_of, clear_m, is_first=not places)
+        if following is None:
+            return None
+        at, first = following
+        places.append(at)
+
+
+def _kept(
+    path: FloatArray, at: Place, linked: Linked, place: Place, first: int
+) -> tuple[Place, int] | None:
+    """Return a place where a relay stands, and where the way passes it, if it is kept."""
+    away = np.hypot(*(path[first:] - place).T)
+    nearest = int(np.argmin(away))
+    if nearest == 0 or away[nearest] > NEAR_M or not linked(np.array([place]), at)[0]:
+        return None
+    return place, first + nearest
+
+
+def _farthest(
+    path: FloatArray,
+    ahead: BoolArray,
+    first: int,
+    clear_of: Place | None,
+    clear_m: float,
+    *,
+    is_first: bool,
+) -> tuple[Place, int] | None:
+    """Return the last place of the way that is linked, or one before the front."""
+    usable = np.flatnonzero(ahead)
+    if not is_first:
+        usable = usable[usable > 0]
+    if not len(usable):
+        return None
+    index = first + int(usable[-1])
+    if clear_of is not None:
+        off = np.hypot(*(path[first + usable] - clear_of).T) >= clear_m
+        off &= np.abs(first + usable - index) * _spacing(path) <= 2.0 * clear_m
+        if off.any():
+            index = first + int(usable[np.flatnonzero(off)[-1]])
+    x, y = path[index].tolist()
+    return (x, y), index
+
+
+def _spacing(path: FloatArray) -> float:
+    return float(np.hypot(*np.diff(path, axis=0).T).max()) if len(path) > 1 else 0.0

@@ -1,0 +1,146 @@
+"""How much a base station learns by each mode of ``home``: ``python -m benchmarks.news runs.csv``.
+
+Makes the runs that the table lacks, and prints in Markdown what was delivered: in three buildings,
+under a radio that walls block, from starts beside a base station that are drawn anew for each
+repetition.
+"""
+
+from __future__ import annotations
+
+import argparse
+from itertools import product
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+import pandas as pd
+import shapely
+
+import multisrt as ms
+from multisrt.environments.environment import Environment
+from multisrt.presets.summary import markdown_table
+from multisrt.statistics.intervals import bootstrap
+from multisrt.statistics.rank_tests import paired
+from multisrt.statistics.summaries import mean
+
+WORLDS: Final = ("office", "hospital", "library")
+RANGES_M: Final = (10.0, 15.0)
+MODES: Final = ("never", "in-time", "worth", "relays", "chain")
+AGAINST: Final = "in-time"
+STRATEGY: Final = "minpos"
+ROBOTS: Final = 4
+LIMIT_S: Final = 300.0
+REPETITIONS: Final = 20
+
+CLEAR_M: Final = 0.5
+"""Least distance of the base station from walls, in metres."""
+
+APART_M: Final = 0.8
+"""Distance between starts in metres."""
+
+COLUMNS: Final = (
+    "world",
+    "radio (m)",
+    "home",
+    "delivered (%)",
+    "covered (%)",
+    "age of news (s)",
+    f"wins against {AGAINST}",
+    "p",
+)
+
+
+def drawn_starts(world: Environment, seed: int) -> list[tuple[float, float]]:
+    """Return a drawn place for the base station, and the starts beside it in its sight."""
+    rng = np.random.default_rng(seed)
+    room = world.free.buffer(-CLEAR_M)
+    steps = APART_M * np.arange(-3, 4)
+    around = np.array(sorted(product(steps, steps), key=lambda at: (np.hypot(*at), at)))
+    x0, y0, x1, y1 = world.bounds
+    while True:
+        base = rng.uniform((x0, y0), (x1, y1))
+        places = base + around
+        inside = shapely.contains_xy(room, *places.T)
+        inside &= shapely.covers(
+            world.free, shapely.linestrings([[base, place] for place in places])
+        )
+        if inside[0] and inside.sum() > ROBOTS:
+            return [(float(x), float(y)) for x, y in places[inside][: ROBOTS + 1]]
+
+
+def run(world: str, range_m: float, mode: str, repetition: int) -> dict[str, object]:
+    """Make one run and return its row."""
+    environment = ms.environment(world)
+    base, *starts = drawn_starts(environment, repetition)
+    metrics = ms.explore(
+        environment,
+        strategy=STRATEGY,
+        robots=ROBOTS,
+        starts=starts,
+        base=base,
+        radio=ms.RadioSpec(range_m=range_m, walls="block"),
+        max_time_s=LIMIT_S,
+        options={"home": mode},
+        seed=repetition,
+    ).metrics
+    return {
+        "world": world,
+        "range_m": range_m,
+        "home": mode,
+        "repetition": repetition,
+        "outcome": metrics.outcome,
+        "covered": metrics.coverage,
+        "delivered": metrics.delivered_coverage,
+        "base_age_s": metrics.base_age_s,
+        "collisions": metrics.collisions,
+    }
+
+
+def rows(runs: pd.DataFrame) -> list[tuple[str, ...]]:
+    """Return the rows of the table, with intervals of the means and paired tests."""
+    found = []
+    for (world, range_m), part in runs.groupby(["world", "range_m"], sort=False):
+        delivered = part.pivot(index="repetition", columns="home", values="delivered").dropna()
+        for mode in MODES:
+            own = 100.0 * delivered[mode].to_numpy()
+            interval = bootstrap([own], mean, rng=0)
+            others = part[part["home"] == mode]
+            # Lower is better for the test, so shares that are missing are compared.
+            test = paired(100.0 - own, 100.0 * (1.0 - delivered[AGAINST].to_numpy()))
+            found.append(
+                (
+                    str(world),
+                    f"{range_m:g}",
+                    mode,
+                    f"{interval.value:.1f} ({interval.low:.1f} to {interval.high:.1f})",
+                    f"{100.0 * others['covered'].mean():.1f}",
+                    f"{others['base_age_s'].mean():.1f}",
+                    "" if mode == AGAINST else f"{test.a_lower:.2f}",
+                    "" if mode == AGAINST else f"{test.p_value:.2g}",
+                )
+            )
+    return found
+
+
+def main() -> None:
+    """Make the runs that the table lacks, and print the page."""
+    parser = argparse.ArgumentParser(description="what a base station learns by each mode of home")
+    parser.add_argument("table", type=Path, help="CSV file with a row for every run")
+    parser.add_argument("--repetitions", type=int, default=REPETITIONS)
+    given = parser.parse_args()
+    held = pd.read_csv(given.table) if given.table.exists() else pd.DataFrame()
+    made = {
+        (row.world, row.range_m, row.home, row.repetition) for row in held.itertuples(index=False)
+    }
+    for repetition, world, range_m, mode in product(
+        range(given.repetitions), WORLDS, RANGES_M, MODES
+    ):
+        if (world, range_m, mode, repetition) not in made:
+            row = pd.DataFrame([run(world, range_m, mode, repetition)])
+            held = pd.concat([held, row], ignore_index=True)
+            held.to_csv(given.table, index=False)
+    print(markdown_table(COLUMNS, rows(held)))
+
+
+if __name__ == "__main__":
+    main()

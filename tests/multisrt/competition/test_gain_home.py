@@ -1,6 +1,6 @@
 import numpy as np
 
-from multisrt.competition.gain_home import (
+from multisrt.competition.grid_kernels import (
     FREE,
     OCCUPIED,
     UNKNOWN,

@@ -65,7 +65,7 @@ class Settings:
     Attributes
     ----------
     horizon : float
-        Time by which area that is seen later counts less by the factor e.
+        Time by which area that is seen later counts less by the factor e, as a share of all steps.
     power : float
         Power of the way, in the rule by which tours go on.
     homeward : float
@@ -102,7 +102,7 @@ class Settings:
         Cells of the shortest border that counts.
     """
 
-    horizon: float = 150.0
+    horizon: float = 0.3
     power: float = 1.5
     homeward: float = 1.0
     least_area: float = 20.0
@@ -121,10 +121,10 @@ class Settings:
     piece: int = 12
     least: int = 6
 
-    @property
-    def rules(self) -> Rules:
-        """The constants of tours."""
-        return Rules(self.horizon, self.power, self.nearest, self.homeward, self.least_area)
+    def rules(self, steps: int) -> Rules:
+        """Return the constants of tours for a number of steps of the whole run."""
+        horizon = self.horizon * steps
+        return Rules(horizon, self.power, self.nearest, self.homeward, self.least_area)
 
 
 class Situation(NamedTuple):
@@ -332,7 +332,7 @@ class GainHome:
                 favour[np.abs(targets[best] - np.array(before)).sum(axis=1) < s.piece] = s.keep
             sights = Sights(areas, first, blocks)
             ours = Targets(shares[row][best], costs[row][best], home[best], between, favour)
-            tour, times = best_tour(sights, ours, float(left), s.rules)
+            tour, times = best_tour(sights, ours, float(left), s.rules(memory.end))
             target = best[tour[0]] if len(tour) else None
             if row == 0:
                 return None if target is None else int(target)

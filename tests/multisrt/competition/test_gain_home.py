@@ -95,10 +95,10 @@ def test_home_is_where_few_enough_walls_are_between():
 
 def test_unknown_area_in_sight_is_counted_in_blocks():
     grid = np.full((200, 200), UNKNOWN, np.int8)
-    grid[:, 102] = OCCUPIED
+    grid[:, 101:103] = OCCUPIED
     areas = unknown_blocks(grid, 0)
     assert areas.sum() == (grid == UNKNOWN).sum()
-    targets = np.array([[100, 100], [100, 104]])
+    targets = np.array([[100, 100], [100, 103]])
     first, blocks = blocks_in_sight(grid, targets, 60.0, 0)
     seen = areas_in_sight(areas, first, blocks)
     half = np.pi * 60.0**2 / 2

@@ -82,11 +82,11 @@ def _observe(robot: Any, world: Any) -> None:
     if world.occ_map[row, column] == 1 or (ends == ends[0]).all():
         robot.observe_as_it_is(world)
         return
-    outline = Polygon(ends).buffer(1)
-    if isinstance(outline, MultiPolygon):
-        outline = max(outline.geoms, key=lambda shape: shape.area)
+    outline: Any = Polygon(ends).buffer(1)
+    parts = list(outline.geoms) if isinstance(outline, MultiPolygon) else [outline]
+    shell = max(parts, key=lambda part: float(part.area)).exterior
     corner = row - SCAN_HALF, column - SCAN_HALF
-    inside, closed = filled(np.array(outline.exterior.coords).astype(np.int64), corner, SCAN_HALF)
+    inside, closed = filled(np.array(shell.coords).astype(np.int64), corner, SCAN_HALF)
     if closed:
         note_scan(inside, corner, hits, robot.combined_obs_map, robot.unreported_mask)
     else:

@@ -271,8 +271,8 @@ class GainHome:
             memory.route = home if home[row, column] > 0 else None
             return
         costs, robots = self._costs(memory, obs, passable, ways, targets, corner)
-        back = home[targets[:, 0], targets[:, 1]].astype(float)
-        chosen = self.choose(memory, Situation(states, passable, targets, costs, back, robots))
+        homeward = home[targets[:, 0], targets[:, 1]].astype(float)
+        chosen = self.choose(memory, Situation(states, passable, targets, costs, homeward, robots))
         if chosen is None:
             memory.target, memory.route = None, None
             return

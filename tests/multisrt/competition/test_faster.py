@@ -26,7 +26,7 @@ STATES = st.sampled_from([0.0, 0.5, 1.0])
 
 def widened(known):
     """Return what ``inflate_map`` of the competition is told to: by its own functions of scipy."""
-    blocked = ndimage.binary_dilation(known > 0.5, structure=np.ones((3, 3)))
+    blocked = ndimage.binary_dilation(known > 0.5, structure=np.ones((3, 3), bool))
     free = (known == 0) & ~blocked
     distances = ndimage.distance_transform_cdt(free)
     return np.where(blocked, np.inf, np.clip(10 - distances, 1, 10)).astype(np.float32)

@@ -120,6 +120,11 @@ class _Cell(click.ParamType[tuple[int, int]]):
     metavar="FILE",
     help="Write the strategy as a policy file of the competition, and make no runs.",
 )
+@click.option(
+    "--as-it-is",
+    is_flag=True,
+    help="Run the simulator without faster functions in place of its slowest.",
+)
 @click.option("--any-version", is_flag=True, help="Allow another version of the competition.")
 @quiet_option("the scores")
 def compete(
@@ -129,6 +134,7 @@ def compete(
     policy_out: Path | None,
     out: Path | None,
     any_version: bool,
+    as_it_is: bool,
     quiet: bool,
     **which: Any,
 ) -> None:
@@ -164,7 +170,8 @@ def compete(
     with LiveLine(not quiet, f"compete {source.name}", counted=True) as live:
         live.update(total=len(jobs), completed=len(jobs) - len(missing))
         done = len(jobs) - len(missing)
-        for job, result in execute(clone, any_version, source, missing, which["workers"]):
+        workers = which["workers"]
+        for job, result in execute(clone, any_version, source, missing, workers, as_it_is=as_it_is):
             store.add(job, result)
             done += 1
             live.update(
@@ -226,3 +233,9 @@ def _show(
         + ("the competition's own modules" if not replaced else "multisrt's exact stand-ins for ")
         + ", ".join(replaced)
     )
+    count = sum(result.fast for result in results.values())
+    if count:
+        click.echo(
+            f"{count} of {len(results)} runs with faster functions in place of the simulator's "
+            "slowest; --as-it-is runs without"
+        )

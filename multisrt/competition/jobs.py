@@ -51,12 +51,15 @@ class JobResult(msgspec.Struct, frozen=True, kw_only=True):
         Time of the whole run in seconds.
     replaced : tuple of str
         Modules in whose place a stand-in computed; see `multisrt.competition.stand_ins`.
+    fast : bool
+        Whether faster functions were in place; see `multisrt.competition.faster`.
     """
 
     coverage: float
     decision_s: float
     wall_s: float
     replaced: tuple[str, ...]
+    fast: bool = False
 
 
 class _Row(msgspec.Struct, frozen=True, kw_only=True):

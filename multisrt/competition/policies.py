@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import importlib.util
+import re
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -19,6 +20,12 @@ NAMES: Final = (OWN, "gain", "closest", "greedy", "minpos")
 """Strategies that can be run in the competition."""
 
 FOLDER: Final = Path(__file__).parent
+
+PARTS: Final = ("grid_kernels.py", "gain_home.py")
+"""Files of the policy `OWN`, in the order in which they are joined."""
+
+OWN_IMPORTS: Final = re.compile(r"from (__future__|multisrt[.\w]*) import (\([^)]*\)|.*)\n")
+"""Imports that a joined file does without, or has at its head."""
 
 STANDS_ALONE: Final = '''\
 """Policy {name} of multisrt, for the indoor exploration competition; it stands alone.
@@ -90,9 +97,7 @@ class PolicySource:
             )
         if strategy != OWN:
             return PolicySource(strategy, RULE_FILE.format(name=strategy))
-        text = (FOLDER / "gain_home.py").read_text(encoding="utf-8")
-        _, _, body = text.removeprefix('"""').partition('"""\n')
-        return PolicySource(strategy, STANDS_ALONE.format(name=OWN) + body.lstrip() + OWN_END)
+        return PolicySource(strategy, STANDS_ALONE.format(name=OWN) + _joined() + OWN_END)
 
     @staticmethod
     def read(path: Path) -> PolicySource:
@@ -113,7 +118,7 @@ class PolicySource:
         """Digest of what the policy's decisions depend on, as far as this package knows it."""
         parts = [self.text.encode()]
         if self.path is None and self.name != OWN:
-            parts += [(FOLDER / name).read_bytes() for name in ("gain_home.py", "rules.py")]
+            parts += [(FOLDER / name).read_bytes() for name in (*PARTS, "rules.py")]
         return hashlib.sha256(b"\0".join(parts)).hexdigest()[:16]
 
     def build(self, base: type) -> Any:
@@ -150,3 +155,16 @@ class PolicySource:
         from multisrt.competition.rules import policy
 
         return type("Policy", (policy(self.name), base), {})
+
+
+def _joined() -> str:
+    """Return the files of the policy `OWN` as one, without docstrings of modules."""
+    bodies: list[str] = []
+    for name in PARTS:
+        text = (FOLDER / name).read_text(encoding="utf-8")
+        _, _, body = text.removeprefix('"""').partition('"""\n')
+        lines = OWN_IMPORTS.sub("", body).splitlines()
+        before = "\n".join(bodies).splitlines()
+        kept = [x for x in lines if not (x.startswith(("import ", "from ")) and x in before)]
+        bodies.append("\n".join(kept).strip())
+    return "from __future__ import annotations\n\n" + "\n\n\n".join(bodies) + "\n"

@@ -12,15 +12,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from multisrt.competition.gain_home import (
-    BORDER,
-    Cells,
-    Floats,
-    GainHome,
-    Grid,
-    Memory,
-    unknown_in_sight,
-)
+from multisrt.competition.gain_home import GainHome, Memory, Situation
+from multisrt.competition.grid_kernels import BORDER, Floats, unknown_in_sight
 from multisrt.geometry.errors import InvalidInputError, did_you_mean
 from multisrt.planners.assignment.closest import closest
 from multisrt.planners.assignment.costs import UNASSIGNED, DenseCosts
@@ -31,7 +24,7 @@ from multisrt.planners.assignment.minpos import minpos
 CELL_M: Final = 0.1
 RANGE_M: Final = 15.0
 RETURN_AREA_M2: Final = 4.0
-"""Area that stands for the way back to a target, as in the policy ``gain-home``."""
+"""Area that stands for the way back to a target."""
 
 Rule = Callable[[Floats, Floats, Floats, int], int | None]
 """Takes costs (n, m), areas (m,), distances between targets (m, m) and the robot's row."""
@@ -85,16 +78,13 @@ class RulePolicy(GainHome):
         super().__init__()
         self._rule = RULES[name]
 
-    def choose(
-        self, memory: Memory, states: Grid, targets: Cells, costs: Floats, robots: list[int]
-    ) -> int | None:
-        """Return the target that the rule chooses for the first row of costs.
+    def choose(self, memory: Memory, situation: Situation) -> int | None:
+        """Return the number of the target that the rule chooses for this robot.
 
-        Rows are put in the order of the robots' numbers, since ties are broken by it: this robot's
-        own number is the one that is missing among those in contact.
+        Rows are put in the order of the robots' numbers, since ties are broken by it.
         """
-        own = next(n for n in range(1, len(robots) + 1) if n not in robots[1:])
-        order = np.argsort([own, *robots[1:]], kind="stable")
+        states, targets, costs = situation.states, situation.targets, situation.costs
+        order = np.argsort(situation.robots)
         areas = unknown_in_sight(states, targets, RANGE_M / CELL_M, BORDER) * CELL_M**2
         between = np.hypot(*(targets[:, None] - targets[None]).transpose(2, 0, 1)) * CELL_M
         row = int(np.flatnonzero(order == 0)[0])

@@ -66,7 +66,13 @@ def planned(
 
 
 def execute(
-    folder: Path, any_version: bool, source: PolicySource, jobs: Sequence[Job], workers: int
+    folder: Path,
+    any_version: bool,
+    source: PolicySource,
+    jobs: Sequence[Job],
+    workers: int,
+    *,
+    as_it_is: bool = False,
 ) -> Iterator[tuple[Job, JobResult]]:
     """Make runs in some processes, and yield each with its result as it ends.
 
@@ -80,6 +86,8 @@ def execute(
         The runs.
     workers : int
         Number of processes.
+    as_it_is : bool
+        As for `simulate`.
 
     Raises
     ------
@@ -95,7 +103,7 @@ def execute(
         while waiting or running:
             while waiting and len(running) < workers:
                 job = waiting.pop()
-                running[pool.submit(simulate, folder, any_version, source, job)] = job
+                running[pool.submit(simulate, folder, any_version, source, job, as_it_is)] = job
             ended, _ = wait(running, return_when=FIRST_COMPLETED)
             for future in ended:
                 yield running.pop(future), future.result()

@@ -16,6 +16,7 @@ import time
 from pathlib import Path
 from typing import Any
 
+from multisrt.competition import faster
 from multisrt.competition.clone import Clone
 from multisrt.competition.jobs import Job, JobResult
 from multisrt.competition.policies import PolicySource
@@ -67,7 +68,9 @@ class Timed:
         return timed
 
 
-def simulate(folder: Path, any_version: bool, source: PolicySource, job: Job) -> JobResult:
+def simulate(
+    folder: Path, any_version: bool, source: PolicySource, job: Job, as_it_is: bool = False
+) -> JobResult:
     """Make one run, as the competition's ``main.py`` does, without pictures.
 
     Parameters
@@ -80,6 +83,9 @@ def simulate(folder: Path, any_version: bool, source: PolicySource, job: Job) ->
         The policy.
     job : Job
         The map, the team and its start.
+    as_it_is : bool
+        Whether the simulator runs without the functions of `multisrt.competition.faster`, as it
+        does for policies of others and for other versions.
 
     Returns
     -------
@@ -92,6 +98,7 @@ def simulate(folder: Path, any_version: bool, source: PolicySource, job: Job) ->
     """
     clone = Clone(folder, any_version=any_version)
     replaced = load(clone)
+    fast = not as_it_is and source.path is None and not clone.changed
     options = clone.options()
     options.environment, options.num_robots = job.map, job.robots
     options.max_steps, options.start_pose = job.steps, list(job.start)
@@ -101,17 +108,20 @@ def simulate(folder: Path, any_version: bool, source: PolicySource, job: Job) ->
     os.chdir(folder / "scripts")  # modules add '../' to the import path
     try:
         with contextlib.redirect_stdout(quiet):
-            return _run(clone, options, source, job, replaced)
+            return _run(clone, options, source, job, (replaced, fast))
     finally:
         os.chdir(where)
 
 
 def _run(
-    clone: Clone, options: Any, source: PolicySource, job: Job, replaced: tuple[str, ...]
+    clone: Clone, options: Any, source: PolicySource, job: Job, how: tuple[tuple[str, ...], bool]
 ) -> JobResult:
     began = time.perf_counter()
+    replaced, fast = how
     part = importlib.import_module
     part("environment")  # first, as in main.py: its modules import one another in a circle
+    if not clone.changed:
+        faster.install(fast)
     policy = Timed(source.build(part("base_policy").BasePolicy))
     engine = part("policy").PlanningEngine()
     column, row = job.start
@@ -141,4 +151,5 @@ def _run(
         decision_s=policy.seconds / (job.steps * job.robots),
         wall_s=time.perf_counter() - began,
         replaced=replaced,
+        fast=fast,
     )

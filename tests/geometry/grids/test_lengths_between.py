@@ -6,7 +6,7 @@ from multisrt.geometry.grids.lengths_between import lengths_between
 
 
 def lengths(passable, *cells):
-    return lengths_between(passable, np.array(cells).reshape(-1, 2))
+    return lengths_between(passable, np.array(cells, np.int64).reshape(-1, 2))
 
 
 def test_lengths_along_a_row_are_five_units_a_block():

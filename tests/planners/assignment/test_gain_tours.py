@@ -43,8 +43,8 @@ def test_robots_choose_among_what_they_take():
 
 
 def test_searching_a_large_area_leaves_others_to_others():
-    # Robot 0 takes the hall at 2 m. Target 1 is 4 m behind it: 6 m for robot 0, and 7 m for robot 1;
-    # searching the hall takes 0.15 * 40 = 6 m, so robot 1 is nearer, as it is not to a small room.
+    # Robot 0 takes the target at 2 m. The other one is 4 m behind it: 6 m for robot 0 and 7 m for
+    # robot 1. Searching a hall of 40 m2 takes 6 m, so that robot 1 is nearer; a room of 1 m2, 0.2.
     for area, expected in ((40.0, 1), (1.0, None)):
         found = chosen([0.0, 13.0], [2.0, 6.0], [area, 1.0], 1)
         assert found.choice == expected

@@ -1,4 +1,4 @@
-from itertools import permutations
+from itertools import pairwise, permutations
 
 import numpy as np
 import pytest
@@ -37,8 +37,7 @@ def shortest(ways, between, leaving, first) -> float:
     others = [k for k in range(len(ways)) if k != first]
     tours = ((first, *rest) for rest in permutations(others))
     return min(
-        ways[first] + sum(leaving[a] + between[a, b] for a, b in zip(tour, tour[1:], strict=False))
-        for tour in tours
+        ways[first] + sum(leaving[a] + between[a, b] for a, b in pairwise(tour)) for tour in tours
     )
 
 

@@ -63,7 +63,7 @@ def lengths_between(passable: BoolArray, indices: IntArray) -> FloatArray:
     blocks = (indices[:, 0] // BLOCK_CELLS) * columns + indices[:, 1] // BLOCK_CELLS
     count = blocks.shape[0]
     lengths = np.zeros((count, count))
-    waiting = np.empty((BUCKETS, free.size), np.int32)
+    waiting = np.empty((BUCKETS, free.size), np.int64)
     for k in range(count - 1):
         values = _wave(free, blocks[k], blocks[k + 1 :], waiting)
         for j in range(k + 1, count):
@@ -90,7 +90,7 @@ def _wave(free: BoolArray, source: int, asked: IntArray, waiting: IntArray) -> I
     # Lengths from a block to all that are reached before all those asked for are final; -1 where
     # none is known. A bucket takes a block once for each value, so it has room for all blocks.
     columns = free.shape[1]
-    known = np.full(free.size, -1, np.int32)
+    known = np.full(free.size, -1, np.int64)
     is_asked = np.zeros(free.size, np.bool_)
     left = 0
     for block in asked:

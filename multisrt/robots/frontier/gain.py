@@ -83,7 +83,7 @@ def _on_tours(
         return_area_m2=options.return_area_m2,
         tour_weight=options.tour_weight,
     )
-    rounds = tuple((i, int(near[j]), *rest) for i, j, *rest in chosen.rounds)
+    rounds = tuple((i, int(near[j]), area, value) for i, j, area, value in chosen.rounds)
     choice = None if chosen.choice is None else int(near[chosen.choice])
     return GainChoice(choice=choice, rounds=rounds)
 

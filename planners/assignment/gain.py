@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -99,26 +100,122 @@ def gain(
     >>> [gain(costs, areas, between, i, range_m=8.0, power=2.0).choice for i in (0, 1)]
     [1, 0]
     """
+    table, left, apart = checked_tables(costs, areas, between, robot)
+    check_positive(range_m=range_m, power=power, nearest_m=nearest_m)
+    rule = Values(range_m, power, nearest_m)
+    for goes_on in (True, False):
+        rounds = _taken(table, left, apart, robot, rule, goes_on=goes_on)
+        if rounds and rounds[-1][0] == robot:
+            return GainChoice(choice=rounds[-1][1], rounds=tuple(rounds))
+    return GainChoice(choice=None, rounds=())
+
+
+class Values(NamedTuple):
+    """How targets are valued.
+
+    Attributes
+    ----------
+    range_m : float
+        Distance in metres from which a target leaves the area of another one to it.
+    power : float
+        Power of the way.
+    nearest_m : float
+        Added to every way in metres.
+    """
+
+    range_m: float
+    power: float = 4.0
+    nearest_m: float = 0.5
+
+
+def checked_tables(
+    costs: ArrayLike, areas: ArrayLike, between: ArrayLike, robot: int
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the tables of `gain` as arrays, or raise `InvalidInputError` as it does."""
     table = cost_table(costs)
     robots, targets = table.shape
     check_robot(robot, robots)
     apart = cost_table(between, "between")
-    left = np.array(cost_table(areas, "areas", dimensions=1))
+    left = cost_table(areas, "areas", dimensions=1)
     for name, shape, right in (
         ("between", apart.shape, (targets, targets)),
         ("areas", left.shape, (targets,)),
     ):
         if shape != right:
             raise InvalidInputError(f"{name} has the shape {shape}; it must be {right}")
-    for name, value in (("range_m", range_m), ("power", power), ("nearest_m", nearest_m)):
+    return table, left, apart
+
+
+def check_positive(**values: float) -> None:
+    """Raise `InvalidInputError` unless all values are positive and finite."""
+    for name, value in values.items():
         if not 0.0 < value < math.inf:
             raise InvalidInputError(f"{name} is {value}; it must be positive")
 
-    for goes_on in (True, False):
-        rounds = _taken(table, left, apart, robot, range_m, power, nearest_m, goes_on=goes_on)
-        if rounds and rounds[-1][0] == robot:
-            return GainChoice(choice=rounds[-1][1], rounds=tuple(rounds))
-    return GainChoice(choice=None, rounds=())
+
+class Auction:
+    """Targets that robots take in order of value, and what is left to whom.
+
+    Parameters
+    ----------
+    costs : (n, m) array
+        Cost of each robot to each target in metres; ``inf`` where there is no path.
+    areas : (m,) array
+        What each target is worth in square metres.
+    apart : (m, m) array
+        Euclidean distances between targets in metres.
+    rule : Values
+        How targets are valued.
+    """
+
+    def __init__(
+        self, costs: FloatArray, areas: FloatArray, apart: FloatArray, rule: Values
+    ) -> None:
+        self._apart, self._rule = apart, rule
+        self._ways, self._is_open = costs.copy(), np.isfinite(costs)
+        self._left = np.tile(areas, (len(costs), 1))
+
+    def is_open_to(self, robot: int) -> bool:
+        """Whether there is a target that a robot could take."""
+        return bool(self._is_open[robot].any())
+
+    def next_round(self) -> tuple[int, int, float, float]:
+        """Let the pair of the highest value be taken.
+
+        Returns
+        -------
+        robot, target, area, value
+            As in `GainChoice`.
+        """
+        rule, left = self._rule, self._left
+        values: FloatArray = np.where(
+            self._is_open, left * (self._ways + rule.nearest_m) ** -rule.power, -1.0
+        )
+        # Where nothing is left they go to the nearest.
+        lengths = np.where(values == values.max(), self._ways, np.inf)
+        taker, target = divmod(int(np.argmin(lengths)), values.shape[1])
+        found = taker, target, float(left[taker, target]), float(values[taker, target])
+        kept = left[taker].copy()
+        left *= np.minimum(1.0, self._apart[target] / rule.range_m)
+        left[taker] = kept
+        return found
+
+    def go_on(self, taker: int, target: int, onward: FloatArray) -> None:
+        """Close a target to all, and let the robot that took it go on from there.
+
+        Parameters
+        ----------
+        taker, target : int
+            Row and column of the pair that was taken.
+        onward : (m,) array
+            Lengths from the target to all, in metres.
+        """
+        self._is_open[:, target] = False
+        self._ways[taker] = self._ways[taker, target] + onward
+
+    def leave(self, taker: int) -> None:
+        """Let a robot take no more."""
+        self._is_open[taker] = False
 
 
 def _taken(
@@ -126,32 +223,22 @@ def _taken(
     areas: FloatArray,
     apart: FloatArray,
     robot: int,
-    range_m: float,
-    power: float,
-    nearest_m: float,
+    rule: Values,
     *,
     goes_on: bool,
 ) -> list[tuple[int, int, float, float]]:
     """Return what is taken up to a robot's first target; each takes several if it goes on."""
-    ways, is_open = costs.copy(), np.isfinite(costs)
-    left = np.tile(areas, (len(costs), 1))
+    auction = Auction(costs, areas, apart, rule)
     rounds: list[tuple[int, int, float, float]] = []
-    while is_open[robot].any():
-        values: FloatArray = np.where(is_open, left * (ways + nearest_m) ** -power, -1.0)
-        # Where nothing is left they go to the nearest.
-        lengths = np.where(values == values.max(), ways, np.inf)
-        taker, target = divmod(int(np.argmin(lengths)), costs.shape[1])
-        rounds.append((taker, target, float(left[taker, target]), float(values[taker, target])))
+    while auction.is_open_to(robot):
+        rounds.append(auction.next_round())
+        taker, target = rounds[-1][:2]
         if taker == robot:
             break
-        kept = left[taker].copy()
-        left *= np.minimum(1.0, apart[target] / range_m)
-        left[taker] = kept
         if goes_on:
-            is_open[:, target] = False
-            ways[taker] = ways[taker, target] + _onward(costs, apart, target)
+            auction.go_on(taker, target, _onward(costs, apart, target))
         else:
-            is_open[taker] = False
+            auction.leave(taker)
     return rounds
 
 

@@ -232,6 +232,13 @@ class GainOptions(BiddingOptions, frozen=True, kw_only=True, forbid_unknown_fiel
         added to the area beyond each.
     turn_m_per_rad : float
         Way in metres that a radian of the first turn counts as.
+    keep_m : float
+        By how many metres the present goal of a robot counts as nearer, so that it does not turn
+        to another one for a small advantage.
+    tour_weight : float
+        Weight of the length of the tour over the frontiers that are left, against the way to the
+        first of them. With 0 robots go to the frontier of the highest value that others leave
+        them, as before tours were compared.
     saves_turns : bool
         As above.
     """
@@ -240,11 +247,13 @@ class GainOptions(BiddingOptions, frozen=True, kw_only=True, forbid_unknown_fiel
     power: float = 4.0
     return_area_m2: float = 5.0
     turn_m_per_rad: float = 0.3
+    keep_m: float = 1.0
+    tour_weight: float = 2.0
 
     def __post_init__(self) -> None:
         super().__post_init__()
         self.require("power", 0.0 < self.power < math.inf, "positive")
-        for name in ("return_area_m2", "turn_m_per_rad"):
+        for name in ("return_area_m2", "turn_m_per_rad", "keep_m", "tour_weight"):
             self.require(name, 0.0 <= getattr(self, name) < math.inf, "0 or more")
 
 

@@ -13,7 +13,12 @@ from multisrt.environments.environment import Environment
 from multisrt.events import GoalChosen
 from multisrt.explain.srt import explain
 from multisrt.geometry.grids.occupancy import UNKNOWN
-from multisrt.robots.frontier.gain import areas_beyond, first_turns
+from multisrt.robots.frontier.gain import (
+    areas_beyond,
+    first_turns,
+    lengths_among,
+    nearer_goals,
+)
 from multisrt.robots.frontier.options import GainOptions
 
 CELL_M = 0.1
@@ -66,6 +71,35 @@ def test_areas_are_in_square_metres():
     assert areas_beyond(robot, np.zeros((1, 2))) == pytest.approx([math.pi * 4.0**2])
 
 
+def test_present_goals_are_nearer():
+    # Robot 0 drives to 0.6 m from target 1, robot 3 to more than 1 m from all; robot 4 has no goal.
+    reports = {3: SimpleNamespace(goal=(8.0, 8.0)), 4: SimpleNamespace(goal=None)}
+    robot = robot_at((0.0, 0.0, 0.0), reports=reports, goal=SimpleNamespace(place=(-3.0, 1.6)))
+    table: Any = SimpleNamespace(targets=TARGETS, robots=(0, 3, 4))
+    costs = np.array([[4.0, 0.7, 5.0, 1.0]] * 3)
+    found = nearer_goals(robot, table, costs, 0.5)
+    assert found[0] == pytest.approx([4.0, 0.2, 5.0, 1.0])
+    assert nearer_goals(robot, table, costs, 2.0)[0, 1] == 0.0
+    assert (found[1:] == costs[1:]).all()
+    reports[3].goal = (5.2, 1.0)
+    assert nearer_goals(robot, table, costs, 0.5)[1, 0] == 3.5
+
+
+def test_lengths_among_targets_lie_between_their_bounds():
+    # A wall without a gap in reach: the way leads past the robot, 30 cells and 20 cells away.
+    passable = np.ones((20, 90), bool)
+    passable[:, 40:45] = False
+    raster = SimpleNamespace(cell_m=CELL_M, passable=passable)
+    cells = np.array([[10, 10], [10, 34], [10, 60]])
+    robot = robot_at((0.0, 0.0, 0.0), raster=raster, indices_of=lambda _: cells)
+    targets = cells[:, ::-1] * CELL_M
+    euclidean = np.hypot(*(targets[:, None] - targets).transpose(2, 0, 1))
+    found = lengths_among(robot, targets, np.array([3.0, 2.0, 9.0]), euclidean)
+    assert found[0, 1] == pytest.approx(2.4)
+    assert found[0, 2] == 12.0
+    assert found[1, 2] == 11.0
+
+
 def explored(**changes: Any) -> ms.Run:
     given: dict[str, Any] = {"strategy": "gain", "robots": 3, "seed": 2, "starts": "clustered"}
     return ms.explore(HALLS, **(given | changes))
@@ -86,9 +120,10 @@ def test_equal_runs_are_equal(run):
     assert explored().recording.events == run.recording.events
 
 
-def test_robots_that_know_the_same_agree(run):
+def test_robots_that_know_the_same_agree():
     # With an unlimited radio all know the same: at the start they decide at one moment, and each
-    # plan is the beginning of one order.
+    # plan is the beginning of one order. They hear the first goals one after the other.
+    run = explored(options={"keep_m": 0.0})
     first = [e for e in run.recording.events if isinstance(e, GoalChosen)][:3]
     assert {e.robot for e in first} == {0, 1, 2}
     assert len({(e.time_s, e.frontiers) for e in first}) == 1
@@ -126,7 +161,14 @@ def test_robots_without_radio_explore_alone():
 
 
 @pytest.mark.parametrize(
-    ("name", "value"), [("power", 0.0), ("return_area_m2", -1.0), ("turn_m_per_rad", math.inf)]
+    ("name", "value"),
+    [
+        ("power", 0.0),
+        ("return_area_m2", -1.0),
+        ("turn_m_per_rad", math.inf),
+        ("keep_m", -1.0),
+        ("tour_weight", -1.0),
+    ],
 )
 def test_bad_options_are_refused(name, value):
     with pytest.raises(ms.InvalidInputError, match=f"{name} is"):

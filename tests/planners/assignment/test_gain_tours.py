@@ -1,0 +1,91 @@
+import numpy as np
+import pytest
+
+from multisrt.geometry.errors import InvalidInputError
+from multisrt.planners.assignment.gain import Values, gain
+from multisrt.planners.assignment.gain_tours import MAX_STOPS, gain_on_tours
+
+INF = np.inf
+
+
+def on_a_line(robots, targets):
+    """Costs of robots to targets, and distances between these, on a line."""
+    places = np.array(targets)
+    return np.abs(np.array(robots)[:, None] - places), np.abs(places[:, None] - places)
+
+
+def chosen(robots, targets, areas, robot=0, **options):
+    costs, between = on_a_line(robots, targets)
+    return gain_on_tours(costs, areas, between, between, robot, **({"rule": Values(4.0)} | options))
+
+
+def test_a_scrap_is_not_left_behind_for_a_larger_area():
+    # The robot at 0 is 3 m from a scrap of 2 m2 and 4 m from a hall of 45 m2 on the other side.
+    # Factors: (50.3 / 7) ** 0.25 = 1.64 and (50.3 / 50) ** 0.25 = 1.0; so the scrap counts as 5.7 m
+    # and the hall as 4.5 m. Tours: 3 + 7 and 0.7 m for leaving the scrap, 4 + 7 and 3.4 m for
+    # leaving the hall: 3.6 m more. The hall is chosen by weights below 0.33.
+    for weight, expected in ((0.3, 1), (0.4, 0), (2.0, 0)):
+        found = chosen([0.0], [-3.0, 4.0], [2.0, 45.0], tour_weight=weight)
+        assert found.choice == expected
+        assert found.rounds[-1][:2] == (0, expected)
+
+
+def test_by_value_alone_the_larger_area_is_chosen():
+    costs, between = on_a_line([0.0], [-3.0, 4.0])
+    assert gain(costs, [7.0, 50.0], between, 0, range_m=4.0).choice == 1
+
+
+def test_robots_choose_among_what_they_take():
+    # Each robot takes the two targets on its side, and goes to the nearer one first.
+    targets, areas = [-6.0, -3.0, 23.0, 26.0], [9.0] * 4
+    for robot, expected in ((0, 1), (1, 2)):
+        assert chosen([0.0, 20.0], targets, areas, robot).choice == expected
+
+
+def test_searching_a_large_area_leaves_others_to_others():
+    # Robot 0 takes the target at 2 m. The other one is 4 m behind it: 6 m for robot 0 and 7 m for
+    # robot 1. Searching a hall of 40 m2 takes 6 m, so that robot 1 is nearer; a room of 1 m2, 0.2.
+    for area, expected in ((40.0, 1), (1.0, None)):
+        found = chosen([0.0, 13.0], [2.0, 6.0], [area, 1.0], 1)
+        assert found.choice == expected
+
+
+def test_a_robot_to_which_nothing_is_left_has_no_choice():
+    found = chosen([0.0, 0.5], [0.2], [9.0], 1)
+    assert (found.choice, found.rounds) == (None, ())
+    nothing = gain_on_tours([[INF]], [1.0], [[0.0]], [[0.0]], 0, rule=Values(4.0))
+    assert nothing.choice is None
+
+
+def test_targets_worth_nothing_can_be_chosen():
+    assert chosen([0.0], [3.0], [0.0], return_area_m2=0.0).choice == 0
+
+
+def test_only_the_best_targets_are_stops():
+    # One more than there are stops; the farthest one is left out.
+    targets = [float(k) for k in range(1, MAX_STOPS + 2)]
+    assert chosen([0.0], targets, [1.0] * len(targets)).choice == 0
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"lengths": [[0.0]]}, "lengths has the shape"),
+        ({"areas": [1.0]}, "areas has the shape"),
+        ({"tour_weight": 0.0}, "tour_weight is 0.0; it must be positive"),
+        ({"rule": Values(0.0)}, "range_m is 0.0"),
+        ({"return_area_m2": -1.0}, "return_area_m2 is -1.0; it must be 0 or more"),
+    ],
+)
+def test_bad_values_are_refused(changes, message):
+    between = [[0.0, 1.0], [1.0, 0.0]]
+    sound = {
+        "costs": [[1.0, 2.0]],
+        "areas": [1.0, 1.0],
+        "between": between,
+        "lengths": between,
+        "robot": 0,
+        "rule": Values(4.0),
+    }
+    with pytest.raises(InvalidInputError, match=message):
+        gain_on_tours(**(sound | changes))

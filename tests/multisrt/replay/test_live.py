@@ -84,7 +84,7 @@ def test_it_follows_the_run_to_its_end_and_keeps_what_is_chosen(page):
         assert not shown.value("document.getElementById('fold-events').open")
         assert shown.value("replay.player.views[0].camera.scale") == pytest.approx(scale)
         assert "The run goes on: 17" in shown.text("#live")
-        assert "live" in shown.value("replay.address.hash")
+        assert "&live" in shown.value("replay.address.hash")
     replay.add(stepper.finish().recording)
     with replay:
         pass
@@ -92,7 +92,7 @@ def test_it_follows_the_run_to_its_end_and_keeps_what_is_chosen(page):
     assert shown.value("replay.player.time") == shown.value("replay.player.end")
     assert not shown.value("replay.player.layers.has('seen')")
     assert shown.value("replay.player.views[0].camera.scale") == pytest.approx(scale)
-    assert "live" not in shown.value("replay.address.hash")
+    assert "&live" not in shown.value("replay.address.hash")
 
 
 def test_a_reader_who_looks_back_is_not_moved(page):

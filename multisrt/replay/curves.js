@@ -77,7 +77,7 @@ function canBeCutOff(run) {
 const CURVES = [
   {
     title: "Covered (seen: thin line)",
-    withBase: "Covered (seen: grey, at the base: black line)",
+    withBase: "Covered (seen: grey, at the base: thin line)",
     unit: "%",
     isOf: (run) => run.coverage !== null,
     otherwise: "Coverage is not known: the recording has no scans.",

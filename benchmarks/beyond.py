@@ -111,7 +111,8 @@ class Comparison:
     p_value : float
         Of the family of cells.
     mean : float
-        Geometric mean over cells of the ratios of the mean times.
+        Geometric mean over cells of the ratios of the median times, without cells in which either
+        is infinite.
     faster, slower : int
         Cells in which the first is significantly faster, or slower, after Holm's correction.
     cells : int
@@ -139,13 +140,14 @@ def compared(runs: pd.DataFrame, first: str, second: str, quantity: str) -> Comp
 
     tests = corrected([paired(one, other) for one, other in zip(ones, others, strict=True)])
     is_significant = [test.p_value < LEVEL for test in tests]
-    logs = [
-        np.log(np.median(one) / np.median(other)) for one, other in zip(ones, others, strict=True)
-    ]
+    medians = np.array(
+        [[np.median(one), np.median(other)] for one, other in zip(ones, others, strict=True)]
+    )
+    medians = medians[np.isfinite(medians).all(axis=1)]
     return Comparison(
         ratio=ratio_of(test),
         p_value=test(1.0).p_value,
-        mean=float(np.exp(np.mean(logs))),
+        mean=float(np.exp(np.mean(np.log(medians[:, 0] / medians[:, 1])))),
         faster=sum(
             ok and found.a_lower > 0.5 for ok, found in zip(is_significant, tests, strict=True)
         ),
@@ -164,7 +166,7 @@ def best_of(runs: pd.DataFrame, names: Sequence[str], quantity: str) -> str:
 
 
 def page(runs: pd.DataFrame) -> list[str]:
-    """Return the lines of the page."""
+    """Return the lines of the page; the runs are of at least one strategy of each kind."""
     present = [name for name in (*OURS, *PAPERS) if name in set(runs["strategy"])]
     ours = [name for name in present if name in OURS]
     papers = [name for name in present if name in PAPERS]

@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from multisrt.geometry.numerics.arrays import BoolArray, FloatArray, IntArray
+from multisrt.geometry.numerics.arrays import BoolArray, FloatArray, Int32Array, IntArray
 from multisrt.geometry.numerics.kernel import kernel
 
 BLOCK_CELLS: Final = 3
@@ -63,9 +63,10 @@ def lengths_between(passable: BoolArray, indices: IntArray) -> FloatArray:
     blocks = (indices[:, 0] // BLOCK_CELLS) * columns + indices[:, 1] // BLOCK_CELLS
     count = blocks.shape[0]
     lengths = np.zeros((count, count))
-    waiting = np.empty((BUCKETS, free.size), np.int64)
+    waiting = np.empty((BUCKETS, free.size), np.int32)
+    values, is_asked = np.empty(free.size, np.int32), np.zeros(free.size, np.bool_)
     for k in range(count - 1):
-        values = _wave(free, blocks[k], blocks[k + 1 :], waiting)
+        _wave(free, blocks[k], blocks[k + 1 :], waiting, values, is_asked)
         for j in range(k + 1, count):
             value = values[blocks[j]]
             length = np.inf if value < 0 else value * BLOCK_CELLS / UNITS
@@ -86,12 +87,20 @@ def _blocks(passable: BoolArray) -> BoolArray:
 
 
 @kernel
-def _wave(free: BoolArray, source: int, asked: IntArray, waiting: IntArray) -> IntArray:
-    # Lengths from a block to all that are reached before all those asked for are final; -1 where
-    # none is known. A bucket takes a block once for each value, so it has room for all blocks.
+def _wave(
+    free: BoolArray,
+    source: int,
+    asked: IntArray,
+    waiting: Int32Array,
+    known: Int32Array,
+    is_asked: BoolArray,
+) -> None:
+    # Write the lengths from a block to all that are reached before all those asked for are final;
+    # -1 where none is known. A bucket takes a block once for each value, so it has room for all
+    # blocks.
     columns = free.shape[1]
-    known = np.full(free.size, -1, np.int64)
-    is_asked = np.zeros(free.size, np.bool_)
+    known[:] = -1
+    is_asked[:] = False
     left = 0
     for block in asked:
         if not is_asked[block]:
@@ -126,4 +135,3 @@ def _wave(free: BoolArray, source: int, asked: IntArray, waiting: IntArray) -> I
                         sizes[at] += 1
         sizes[bucket] = 0
         value += 1
-    return known

@@ -166,7 +166,9 @@ def compete(
     jobs = planned(found, names, which["robots"], which["starts"], **plan)
     folder = out or Path("runs") / f"compete-{source.name}"
     store = JobStore(folder, source.digest, found.digest)
-    missing = [job for job in jobs if job not in store.results]
+    missing = [
+        job for job in jobs if job not in store.results or (as_it_is and store.results[job].fast)
+    ]
     with LiveLine(not quiet, f"compete {source.name}", counted=True) as live:
         live.update(total=len(jobs), completed=len(jobs) - len(missing))
         done = len(jobs) - len(missing)

@@ -253,30 +253,6 @@ def with_walls(states: Grid, longest: int) -> Grid:
 
 
 @kernel
-def unknown_in_sight(states: Grid, targets: Cells, sight: float, border: int) -> Floats:
-    """Return the unknown area in sight of targets in cells, where unknown cells hide nothing."""
-    rows, columns = states.shape
-    areas = np.zeros(len(targets))
-    for t in range(len(targets)):
-        area = 0.0
-        for k in range(RAYS):
-            angle = 2.0 * np.pi * k / RAYS
-            di, dj = math.sin(angle), math.cos(angle)
-            r = 1.0
-            while r < sight:
-                i, j = int(targets[t, 0] + r * di + 0.5), int(targets[t, 1] + r * dj + 0.5)
-                if not (border <= i < rows - border and border <= j < columns - border):
-                    break
-                if states[i, j] == OCCUPIED:
-                    break
-                if states[i, j] == UNKNOWN:
-                    area += 2.0 * r
-                r += 2.0
-        areas[t] = area * 2.0 * np.pi / RAYS
-    return areas
-
-
-@kernel
 def zone(
     states: Grid, ways: Way, base: tuple[int, int], link: tuple[int, float, float]
 ) -> tuple[Cells, Cells]:
@@ -485,8 +461,6 @@ def best_tour(sights: Sights, targets: Targets, left: float, rules: Rules) -> tu
         Their ways and factors.
     left : float
         Steps until it has to be home.
-    favour : (m,) array
-        Factors on the values of tours by their first target.
     rules : Rules
         The constants.
 

@@ -7,13 +7,23 @@ costs in metres of all robots in contact.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any, Final
 
 import numpy as np
 
 from multisrt.competition.gain_home import GainHome, Memory, Situation
-from multisrt.competition.grid_kernels import BORDER, Floats, unknown_in_sight
+from multisrt.competition.grid_kernels import (
+    BORDER,
+    OCCUPIED,
+    RAYS,
+    UNKNOWN,
+    Cells,
+    Floats,
+    Grid,
+    kernel,
+)
 from multisrt.geometry.errors import InvalidInputError, did_you_mean
 from multisrt.planners.assignment.closest import closest
 from multisrt.planners.assignment.costs import UNASSIGNED, DenseCosts
@@ -99,3 +109,27 @@ def policy(name: str) -> Any:
             super().__init__(name)
 
     return Policy
+
+
+@kernel
+def unknown_in_sight(states: Grid, targets: Cells, sight: float, border: int) -> Floats:
+    """Return the unknown area in sight of targets in cells, where unknown cells hide nothing."""
+    rows, columns = states.shape
+    areas = np.zeros(len(targets))
+    for t in range(len(targets)):
+        area = 0.0
+        for k in range(RAYS):
+            angle = 2.0 * np.pi * k / RAYS
+            di, dj = math.sin(angle), math.cos(angle)
+            r = 1.0
+            while r < sight:
+                i, j = int(targets[t, 0] + r * di + 0.5), int(targets[t, 1] + r * dj + 0.5)
+                if not (border <= i < rows - border and border <= j < columns - border):
+                    break
+                if states[i, j] == OCCUPIED:
+                    break
+                if states[i, j] == UNKNOWN:
+                    area += 2.0 * r
+                r += 2.0
+        areas[t] = area * 2.0 * np.pi / RAYS
+    return areas

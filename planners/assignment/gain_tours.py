@@ -58,7 +58,7 @@ def gain_on_tours(
     between : (m, m) array
         Euclidean distances between targets in metres.
     lengths : (m, m) array
-        Lengths of the paths between targets in metres; ``inf`` where there is no path.
+        Lengths of the paths between targets in metres, finite and symmetric.
     robot : int
         Row of the robot that chooses.
     rule : Values
@@ -77,7 +77,8 @@ def gain_on_tours(
     Raises
     ------
     InvalidInputError
-        If a table has the wrong shape, a negative entry or NaN, or a parameter is not positive.
+        If a table has the wrong shape, a negative entry or NaN, `lengths` has an infinite one, or a
+        parameter is not positive.
 
     Notes
     -----
@@ -107,6 +108,8 @@ def gain_on_tours(
     ways = cost_table(lengths, "lengths")
     if ways.shape != apart.shape:
         raise InvalidInputError(f"lengths has the shape {ways.shape}; it must be {apart.shape}")
+    if not np.isfinite(ways).all():
+        raise InvalidInputError("lengths has an infinite entry; give targets that paths connect")
     check_positive(**rule._asdict(), tour_weight=tour_weight)
     if not 0.0 <= return_area_m2 < math.inf:
         raise InvalidInputError(f"return_area_m2 is {return_area_m2}; it must be 0 or more")

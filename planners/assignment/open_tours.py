@@ -31,7 +31,7 @@ def open_tours(ways: FloatArray, between: FloatArray, leaving: FloatArray) -> Fl
     ways : (m,) array
         Length of the way from the robot to each place.
     between : (m, m) array
-        Length of the way from each place to each; finite.
+        Length of the way from each place to each; finite and symmetric.
     leaving : (m,) array
         Length that is added where a tour goes on from a place.
 

@@ -14,7 +14,7 @@ UNREACHABLE = np.iinfo(np.int64).max // 4
 """Cost in whole units of a way that there is not."""
 
 MAX_PASSES = 20
-"""Bounds the passes in which targets are moved to better places of routes."""
+"""Bounds the number of targets that are moved to better places of routes."""
 
 Tour = list[int]
 
@@ -78,7 +78,7 @@ def shared_routes(
     equal insertions the one that lengthens its own route least, then that of the lower robot, of
     the lower target, and at the earlier place. Then targets are moved one by one while that
     shortens the longest route, or with an equal one the sum of all. Numbers are whole, so that the
-    result depends on no rounding. Cost: O(n m^3).
+    result depends on no rounding. Cost: O(n m^4), for a dozen targets.
 
     Source: the routes of M-TARE (`caochao39/mtare_planner`), a vehicle routing problem with open
     routes that OR-tools solves within a limit of time. Differs in: insertion and moves of single

@@ -77,7 +77,7 @@ def _on_tours(
         costs[:, near],
         areas[near],
         euclidean,
-        lengths_among(robot, targets, costs[table.row, near], euclidean),
+        lengths_among(robot, targets, table.costs[table.row, near], euclidean),
         table.row,
         rule=rule,
         return_area_m2=options.return_area_m2,

@@ -59,6 +59,21 @@ def test_runs_are_scored_and_not_made_again(call, fake, tmp_path, monkeypatch):
     assert (tmp_path / "found" / "runs.jsonl").read_bytes() == before
 
 
+def test_results_of_faster_functions_do_not_count_as_it_is(call, fake, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    asked = ("compete", str(fake), *ARGUMENTS, "--robots", "1", "--out", "found", "--as-it-is")
+    assert call(*asked)[0] == 0
+    store = tmp_path / "found" / "runs.jsonl"
+    (line,) = store.read_text().splitlines()
+    store.write_text(line.replace('"fast":false', '"fast":true') + "\n")
+    assert call(*asked)[0] == 0
+    fast, as_it_is = store.read_text().splitlines()
+    assert '"fast":true' in fast
+    assert '"fast":false' in as_it_is
+    assert call(*asked)[0] == 0
+    assert store.read_text().splitlines() == [fast, as_it_is]
+
+
 def test_every_strategy_and_the_written_policy_run(call, fake, tmp_path):
     shares = {}
     for name in NAMES:

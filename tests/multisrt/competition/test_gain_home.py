@@ -18,11 +18,11 @@ from multisrt.competition.grid_kernels import (
     field_from,
     passable_cells,
     unknown_blocks,
-    unknown_in_sight,
     ways_between,
     with_walls,
     zone,
 )
+from multisrt.competition.rules import unknown_in_sight
 
 
 def states(*rows):

@@ -89,3 +89,11 @@ def test_bad_values_are_refused(changes, message):
     }
     with pytest.raises(InvalidInputError, match=message):
         gain_on_tours(**(sound | changes))
+
+
+def test_paths_between_targets_are_finite():
+    apart = [[0.0, 3.0], [3.0, 0.0]]
+    with pytest.raises(InvalidInputError, match="infinite"):
+        gain_on_tours(
+            [[1.0, 1.0]], [5.0, 5.0], apart, [[0.0, np.inf], [np.inf, 0.0]], 0, rule=Values(4.0)
+        )

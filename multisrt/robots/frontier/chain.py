@@ -1,13 +1,14 @@
 """Chains of robots that keep the base station in touch while one of them explores.
 
-The robot of the lowest number that is not lost is the *front*. It goes to those frontiers only from
-which a chain of relays, as many as there are other robots, reaches the base station, and waits
+The robot of the lowest number that is not lost is the *front*; once it finds itself with nothing to
+do, the next one is, and the first again when all had their turn. It goes to those frontiers only
+from which a chain of relays, as many as there are other robots, reaches the base station, and waits
 until the relays are in place (`multisrt.planners.relay_chain`). Its reports tell who stands where.
-The others explore as far as the base station, or a relay in place, surely hears them; one that is
-called goes to its place and stays until the front calls it elsewhere or lets it go, which it does
-as soon as its chain is shorter, or it has nothing to do. Nobody waits for ever: who is called and
-does not come in time is taken as lost, and who does not hear the front for a while takes that as
-lost; then the next robot is the front.
+The others explore as far as the base station, or a relay that is called, surely hears them, the
+relay being where it is to stand; one that is called goes to its place and stays until the front
+calls it elsewhere or lets it go, which it does as soon as its chain is shorter, or it has nothing
+to do. Nobody waits for ever: who is called and does not come in time is taken as lost, and who does
+not hear the front for a while takes that as lost; then the next robot is the front.
 
 Source: see `multisrt.planners.relay_chain`. Differs in: what links places surely is worked out from
 the own map, and not from measured signals: the radio's range less a margin, and where walls matter
@@ -116,9 +117,16 @@ class Chain:
         return [number for number in self.others if self._late[number] < MAX_LATE]
 
     @property
+    def _may_lead(self) -> list[int]:
+        """The robots that did not find themselves with nothing to do as the front."""
+        reports = self._team.mates.reports
+        own = [] if self._team.passes_front else [self._me.robot]
+        return own + [number for number in self.others if not reports[number].passes_front]
+
+    @property
     def front(self) -> int:
         """Number of the robot that explores at the front."""
-        return min([self._me.robot, *self.others])
+        return min(self._may_lead or [self._me.robot, *self.others])
 
     @property
     def is_front(self) -> bool:
@@ -131,8 +139,8 @@ class Chain:
 
     @property
     def is_led(self) -> bool:
-        """Whether another robot is the front, and has something to do."""
-        return self._told() is not None
+        """Whether another robot is the front, and may have something to do."""
+        return not self.is_front and len(self._may_lead) > 0
 
     @property
     def own_link(self) -> Place | None:
@@ -183,21 +191,32 @@ class Chain:
         return tuple(takewhile(lambda link: link.robot in relays, self._team.links or ()))
 
     def _places_for(self, place: Place) -> tuple[Place, ...] | None:
-        """Return where relays stand for a goal; None if there are too few, or no way is known."""
+        """Return where relays stand for a goal; None if there are too few.
+
+        If they would be too few along the way from home, those that are called stay, up to one that
+        hears the goal. None is needed if no way is known: it has to be found.
+        """
         if self.linked(np.array([place]), self._base)[0]:
             return ()
+        kept = [link.place for link in self._standing()]
         path = self._ways.path_from_home(place)
-        if path is None:
-            return ()
-        return relay_places(
-            _points_along(path, STEP_M),
-            self._base,
-            self.linked,
-            max_relays=len(self._relays),
-            kept=[link.place for link in self._standing()],
-            clear_of=self._course.at[:2],
-            clear_m=CLEAR_M,
-        )
+        places = None
+        if path is not None:
+            places = relay_places(
+                _points_along(path, STEP_M),
+                self._base,
+                self.linked,
+                max_relays=len(self._relays),
+                kept=kept,
+                clear_of=self._course.at[:2],
+                clear_m=CLEAR_M,
+            )
+        if places is not None:
+            return places
+        for count, anchor in enumerate(kept, 1):
+            if self.linked(np.array([place]), anchor)[0]:
+                return tuple(kept[:count])
+        return () if path is None else None
 
     def linked(self, places: FloatArray, at: Place) -> BoolArray:
         """Return which places are surely linked with a place, ``(n,)``.
@@ -211,20 +230,30 @@ class Chain:
         raster = self._map.raster
         if not raster.is_known(*at):
             return np.zeros(len(places), np.bool_)
-        row, column = raster.cell_of(*at)
-        row, column = row - raster.row, column - raster.column
         known = np.array([raster.is_known(x, y) for x, y in places.tolist()], np.bool_)
         near &= known
-        free = raster.cells == FREE
-        indices = raster.indices_at(places[near])
-        near[near] = [in_sight(free, column + 0.5, row + 0.5, c, r) for r, c in indices.tolist()]
+        if not near.any():
+            return near
+        [seen_from], indices = raster.indices_at(np.array([at])), raster.indices_at(places[near])
+        # Sight depends on the cells between the two only.
+        low = np.minimum(seen_from, indices.min(axis=0))
+        high = np.maximum(seen_from, indices.max(axis=0)) + 1
+        free = raster.cells[low[0] : high[0], low[1] : high[1]] == FREE
+        row, column = (seen_from - low).tolist()
+        near[near] = [
+            in_sight(free, column + 0.5, row + 0.5, c, r) for r, c in (indices - low).tolist()
+        ]
         return near
 
     # The front ------------------------------------------------------------------------------
 
     def call(self, goal: Goal) -> Errand | None:
         """Call the relays that a goal needs; return the errand to wait for them, if any is late."""
-        places = self._places_for(goal.place) or ()
+        places = self._places_for(goal.place)
+        if places is None:
+            # It is out of reach, and the robot goes there to find a way home.
+            places = tuple(link.place for link in self._standing())
+        self._team.passes_front = False
         self._team.links = self._assigned(places)
         late = self._not_in_place()
         if not late:
@@ -254,6 +283,10 @@ class Chain:
     def let_go(self) -> None:
         """Let all relays go, as the front has nothing to do."""
         self._team.links = None
+
+    def pass_front(self) -> None:
+        """Leave the front to the next robot, as this one has nothing to do there."""
+        self._team.passes_front = True
 
     def _assigned(self, places: Sequence[Place]) -> tuple[ChainLink, ...]:
         """Return who stands where: who is there stays, others come from the nearest place."""
@@ -312,15 +345,18 @@ class Chain:
         self._follows = front
         at = self._course.at[:2]
         here = Goal(*at, np.array([at]), 0.0)
+        goal = here if place is None else self._ways.goal_near(place)
         return Errand(
             kind="link",
             why=why,
-            # Where bodies bar all paths it waits: its front goes on without it in the end.
-            goal=here if place is None else self._ways.goal_near(place) or here,
+            # Where all paths are barred it waits for one: its front goes on without it in the end.
+            goal=goal or here,
+            is_barred=goal is None,
             is_over=lambda: (
                 self.front != front
                 or not self.is_led
                 or self.own_link != place
+                or (goal is None and place is not None and self._ways.goal_near(place) is not None)
                 # Who stands by may have a goal, with what is new.
                 or (place is None and self._has_goal_since(revision))
             ),

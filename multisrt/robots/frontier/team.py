@@ -327,7 +327,9 @@ class Team(Listener):
     def _note_chain(self, report: RobotReport) -> None:
         """Stop for the front of a chain that calls this robot elsewhere, lets it go, or ends."""
         known = self.mates.reports.get(report.robot)
-        if known is not None and report.said < known.said:
+        # Others pass on what this robot said itself, too.
+        is_old = known is not None and report.said < known.said
+        if is_old or report.robot == self.number:
             return
         before = None if known is None else link_of(known, self.number)
         if link_of(report, self.number) != before:

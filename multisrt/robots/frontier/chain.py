@@ -99,7 +99,9 @@ class Chain:
         self._ways = ways
         self._time = time
         self._frontiers = frontiers
+        # Which front it follows, and since when.
         self._follows: int | None = None
+        self._follows_since_s = -math.inf
         # How often each robot was called and did not come in time.
         self._late: Counter[int] = Counter()
 
@@ -342,10 +344,17 @@ class Chain:
 
     def _errand_at(self, place: Place | None, why: str, front: int) -> Errand:
         mates, revision = self._team.mates, self._map.raster.revision
-        self._follows = front
+        # One that is jammed stands by though it is called.
+        called = self.own_link
+        now_s, wait_s = self._course.time_s, self._options.home_wait_s
+        if self._follows != front:
+            self._follows, self._follows_since_s = front, now_s
         at = self._course.at[:2]
         here = Goal(*at, np.array([at]), 0.0)
         goal = here if place is None else self._ways.goal_near(place)
+        # Who stays where it is and is interrupted again and again gets no new patience each time.
+        unheard_s = now_s - max(mates.last_heard_s(front), self._follows_since_s)
+        is_patient = (place is not None and goal is not None) or unheard_s < wait_s
         return Errand(
             kind="link",
             why=why,
@@ -355,12 +364,12 @@ class Chain:
             is_over=lambda: (
                 self.front != front
                 or not self.is_led
-                or self.own_link != place
+                or self.own_link != called
                 or (goal is None and place is not None and self._ways.goal_near(place) is not None)
                 # Who stands by may have a goal, with what is new.
                 or (place is None and self._has_goal_since(revision))
             ),
-            patience_s=self._options.home_wait_s,
+            patience_s=wait_s if is_patient else 0.0,
             heard_s=lambda: mates.last_heard_s(front),
         )
 

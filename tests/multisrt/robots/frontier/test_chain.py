@@ -415,7 +415,10 @@ def test_who_stands_by_takes_a_front_as_lost_that_called_nobody():
     other.team.mates.take(report_of(other, 0, (12.0, 1.2)))
     chain = other.homing.chain
     errand = chain.stand_by()
-    other.course.time_s = errand.waits_until_s(0.0)
+    assert errand.waits_until_s(0.0) == 30.0
+    # One that is interrupted meanwhile does not wait for as long again.
+    other.course.time_s = 31.0
+    assert chain.stand_by().waits_until_s(31.0) == 31.0
     assert chain.note_unheard() == 0
     assert chain.is_front
 

@@ -50,6 +50,9 @@ CLEAR_M = 1.5
 MAX_LATE = 3
 """A robot that was late as often is not called any more."""
 
+MAX_UNHEARD = 10
+"""A relay on its way takes a front as lost after so many times `home_wait_s` without hearing it."""
+
 STEP_M = 0.25
 """Places along a way are at most this far apart, in metres."""
 
@@ -355,6 +358,9 @@ class Chain:
         # Who stays where it is and is interrupted again and again gets no new patience each time.
         unheard_s = now_s - max(mates.last_heard_s(front), self._follows_since_s)
         is_patient = (place is not None and goal is not None) or unheard_s < wait_s
+        if unheard_s >= MAX_UNHEARD * wait_s:
+            # It is kept from its place, as by robots that do not let it pass.
+            goal, is_patient = here, False
         return Errand(
             kind="link",
             why=why,

@@ -423,6 +423,19 @@ def test_who_stands_by_takes_a_front_as_lost_that_called_nobody():
     assert chain.is_front
 
 
+def test_a_relay_that_does_not_get_to_its_place_gives_an_unheard_front_up():
+    relay = member(1)
+    link = ChainLink(robot=1, place=(10.0, 1.2))
+    relay.team.mates.take(report_of(relay, 0, (12.0, 1.2), (link,)))
+    chain = relay.homing.chain
+    for time_s, stays in ((0.0, False), (299.0, False), (301.0, True)):
+        relay.course.time_s = time_s
+        errand = chain.follow()
+        assert (errand.goal.place == relay.at[:2]) is stays
+    assert errand.waits_until_s(301.0) == 301.0
+    assert chain.note_unheard() == 0
+
+
 GAP = Environment(
     "gap",
     CORRIDOR.free.difference(

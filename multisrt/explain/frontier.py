@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from typing import Final
 
 from multisrt.events import GoalChosen
 from multisrt.explain.story import ChoiceStory
@@ -17,6 +18,14 @@ MAX_COLUMNS = 8
 
 MAX_ROWS = 12
 """Rounds of an assignment, and best cells, that are shown."""
+
+ALSO: Final = {
+    "in-time": " and come home from in time",
+    "worth": " and come home from in time",
+    "relays": " and come home from in time",
+    "chain": " and from which the chain reaches the base station",
+}
+"""What else is asked of goals, by the option `home`."""
 
 COLUMN = 10
 """Width of a table column, in characters."""
@@ -108,8 +117,7 @@ class _BidStory(ChoiceStory[GoalChosen]):
     def goal(self) -> Iterator[str]:
         choice = self.choice
         if choice.goal is None:
-            in_time = " and come home from in time" if self.brings_home else ""
-            yield f"no goal: there is none that it can reach{in_time}"
+            yield f"no goal: there is none that it can reach{ALSO.get(self.home, '')}"
             return
         number = self._chosen()
         which = "" if number is None else f"frontier {number}, "

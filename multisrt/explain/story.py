@@ -63,7 +63,7 @@ class ChoiceStory(ABC, Generic[ChoiceT]):
         self.choice: ChoiceT = choice
         self.robot, self.asked_s, self.time_s = choice.robot, asked_s, choice.time_s
         self.team = range(len(recording.spec.robots))
-        self.brings_home = recording.spec.options.get("home", "never") != "never"
+        self.home = str(recording.spec.options.get("home", "never"))
         self.start = recording.starts[choice.robot]
         of_robot = [event.robot == choice.robot for event in recording.events]
         self.before = [e for e, own in zip(recording.events[:index], of_robot, strict=False) if own]

@@ -76,8 +76,9 @@ REASONS: Final[dict[str, str]] = {
     "stop signal": "another robot reported that its goal was no longer a frontier",
     "assigned": "another robot took over its last goal, and gave it its own",
     "called on": "it was done, and heard something new",
-    "errand": "it was to bring news home",
-    "errand over": "it had brought news home, or handed them over",
+    "errand": "it had an errand: to bring news home, to meet or go after another robot, or to take "
+    "its place in a chain of relays",
+    "errand over": "its errand was over: done, not needed any more, or in vain",
 }
 """Why robots that bid for frontiers chose a goal, by `because` of `GoalChosen`."""
 

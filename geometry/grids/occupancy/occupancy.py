@@ -102,7 +102,16 @@ class Occupancy:
     (4.0, 1.5)
     """
 
-    __slots__ = ("_blocks", "_changes", "_cleared", "_groups", "_layers", "cell_m", "radius_m")
+    __slots__ = (
+        "_blocks",
+        "_changes",
+        "_cleared",
+        "_groups",
+        "_is_unblocked",
+        "_layers",
+        "cell_m",
+        "radius_m",
+    )
 
     def __init__(
         self,
@@ -123,6 +132,7 @@ class Occupancy:
         self._changes = ChangeLog()
         self._groups = FrontierGroups()
         self._blocks = 0
+        self._is_unblocked = False
         self._cleared: list[IntArray | None] = []
         if bounds is not None:
             self._layers = grown(self._layers, bounds)
@@ -452,7 +462,13 @@ class Occupancy:
     def unblocked(self) -> Iterator[None]:
         """Make cells passable again that are `blocked`, while a ``with`` block is executed.
 
-        What is kept for longer than a block, as distances from places, is to be computed so.
+        What is kept for longer than a block, as distances from places, is to be computed so. Such
+        blocks cannot be nested.
+
+        Raises
+        ------
+        InvalidInputError
+            Inside another such block.
 
         Examples
         --------
@@ -461,12 +477,18 @@ class Occupancy:
         ...     raster.passable.any()
         np.False_
         """
+        if self._is_unblocked:
+            raise InvalidInputError(
+                "`unblocked` cannot be nested: the cells are passable again already"
+            )
         cells = self.passable.reshape(-1)
         again = [cleared for cleared in self._cleared if cleared is not None]
         for cleared in again:
             cells[cleared] = True
+        self._is_unblocked = True
         try:
             yield
         finally:
+            self._is_unblocked = False
             for cleared in again:
                 cells[cleared] = False

@@ -28,6 +28,7 @@ import numpy as np
 
 from multisrt.events import GoalChosen
 from multisrt.geometry.configuration import Configuration
+from multisrt.geometry.grids.distance_field import DistanceField
 from multisrt.geometry.numerics.distances import length_of
 from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.planners.assignment.cell_choice import GoalChoice
@@ -58,7 +59,7 @@ SCORES_KEPT = 10
 """Number of the best cells that are recorded with a choice."""
 
 MAX_LATE = 20
-"""Bounds the paths that are planned to cells for which no time turns out to be left."""
+"""Bounds the cells, and the random places, that turn out not to be allowed as there is no time."""
 
 REPLANNING_EVENTS = (Event.START, Event.NEWS, Event.CALLED_ON, Event.BLOCKED)
 """Events after which a robot chooses another cell even if its own is still unexplored."""
@@ -122,7 +123,10 @@ class Rules:
         team.cells.aim = None if goal is None else aim
         yield from tell_inaccessible(robot, [] if len(robot.bodies) else unreached, tried)
         if self.in_vain >= robot_options(robot).random_goal_after and goal is not None:
-            return (yield from self.wander(robot, because))
+            wandered = yield from self.wander(robot, because)
+            if wandered is not None:
+                return wandered
+            team.cells.aim = aim
         if goal is None or path is None:
             goal = yield from choose_closest(robot, because)
             self.place = None if goal is None else goal.place
@@ -154,19 +158,20 @@ class Rules:
         return () if because == Event.NO_WAY else (place,)
 
     def wander(self, robot: FrontierRobot, because: Event) -> Choice:
-        """RANDOM GOAL: choose a random place that is known, to continue from there."""
+        """RANDOM GOAL: choose a random place that is known, to continue from there.
+
+        None if of `MAX_LATE` places there is none that the robot may choose
+        (`FrontierRobot.fitting_costs`).
+        """
         robot.team.cells.aim = None
         self.in_vain, goal = 0, None
         with robot.around_bodies():
             field = robot.own_field()
             if field is not None:
-                places = robot.raster.passable_centres(*robot.at[:2], robot.raster.diagonal_m)
-                places = places[np.isfinite(field.distance(robot.indices_of(places)))]
-                x, y = places[robot.me.rng.integers(len(places))].tolist()
-                goal = robot.goal_at(field, x, y)
+                goal = random_goal(robot, field)
         self.wanders = goal is not None
-        cost_m, place = (0.0, None) if goal is None else (goal.cost_m, goal.place)
-        yield Note(chosen(robot, "random", because, place, cost_m, ()))
+        if goal is not None:
+            yield Note(chosen(robot, "random", because, goal.place, goal.cost_m, ()))
         return goal
 
     # Driving ------------------------------------------------------------------------------
@@ -273,6 +278,19 @@ class Rules:
         given, team.cells.aim = team.cells.aim, mate.aim
         yield Send(SwapMessage(sender=robot.me.robot, taken=mate.aim, given=given), mate.robot)
         return True
+
+
+def random_goal(robot: FrontierRobot, field: DistanceField) -> Goal | None:
+    """Return a random place that is known and that the robot may choose as a goal."""
+    places = robot.raster.passable_centres(*robot.at[:2], robot.raster.diagonal_m)
+    places = places[np.isfinite(field.distance(robot.indices_of(places)))]
+    for _ in range(min(MAX_LATE, len(places))):
+        k = int(robot.me.rng.integers(len(places)))
+        if np.isfinite(robot.fitting_costs(field, places[k : k + 1])[0]):
+            x, y = places[k].tolist()
+            return robot.goal_at(field, x, y)
+        places = np.delete(places, k, axis=0)
+    return None
 
 
 def best_cell(robot: FrontierRobot, survey: Survey) -> tuple[Place | None, Scores, list[Place]]:

@@ -1,13 +1,14 @@
 """Chains of robots that keep the base station in touch while one of them explores.
 
-The robot of the lowest number that is not lost is the *front*. It goes to those frontiers only from
-which a chain of relays, as many as there are other robots, reaches the base station, and waits
+The robot of the lowest number that is not lost is the *front*; once it finds itself with nothing to
+do, the next one is, and the first again when all had their turn. It goes to those frontiers only
+from which a chain of relays, as many as there are other robots, reaches the base station, and waits
 until the relays are in place (`multisrt.planners.relay_chain`). Its reports tell who stands where.
-The others explore as far as the base station, or a relay in place, surely hears them; one that is
-called goes to its place and stays until the front calls it elsewhere or lets it go, which it does
-as soon as its chain is shorter, or it has nothing to do. Nobody waits for ever: who is called and
-does not come in time is taken as lost, and who does not hear the front for a while takes that as
-lost; then the next robot is the front.
+The others explore as far as the base station, or a relay that is called, surely hears them, the
+relay being where it is to stand; one that is called goes to its place and stays until the front
+calls it elsewhere or lets it go, which it does as soon as its chain is shorter, or it has nothing
+to do. Nobody waits for ever: who is called and does not come in time is taken as lost, and who does
+not hear the front for a while takes that as lost; then the next robot is the front.
 
 Source: see `multisrt.planners.relay_chain`. Differs in: what links places surely is worked out from
 the own map, and not from measured signals: the radio's range less a margin, and where walls matter
@@ -48,6 +49,9 @@ CLEAR_M = 1.5
 
 MAX_LATE = 3
 """A robot that was late as often is not called any more."""
+
+MAX_UNHEARD = 10
+"""A relay on its way takes a front as lost after so many times `home_wait_s` without hearing it."""
 
 STEP_M = 0.25
 """Places along a way are at most this far apart, in metres."""
@@ -98,7 +102,9 @@ class Chain:
         self._ways = ways
         self._time = time
         self._frontiers = frontiers
+        # Which front it follows, and since when.
         self._follows: int | None = None
+        self._follows_since_s = -math.inf
         # How often each robot was called and did not come in time.
         self._late: Counter[int] = Counter()
 
@@ -116,9 +122,16 @@ class Chain:
         return [number for number in self.others if self._late[number] < MAX_LATE]
 
     @property
+    def _may_lead(self) -> list[int]:
+        """The robots that did not find themselves with nothing to do as the front."""
+        reports = self._team.mates.reports
+        own = [] if self._team.passes_front else [self._me.robot]
+        return own + [number for number in self.others if not reports[number].passes_front]
+
+    @property
     def front(self) -> int:
         """Number of the robot that explores at the front."""
-        return min([self._me.robot, *self.others])
+        return min(self._may_lead or [self._me.robot, *self.others])
 
     @property
     def is_front(self) -> bool:
@@ -131,8 +144,8 @@ class Chain:
 
     @property
     def is_led(self) -> bool:
-        """Whether another robot is the front, and has something to do."""
-        return self._told() is not None
+        """Whether another robot is the front, and may have something to do."""
+        return not self.is_front and len(self._may_lead) > 0
 
     @property
     def own_link(self) -> Place | None:
@@ -183,21 +196,32 @@ class Chain:
         return tuple(takewhile(lambda link: link.robot in relays, self._team.links or ()))
 
     def _places_for(self, place: Place) -> tuple[Place, ...] | None:
-        """Return where relays stand for a goal; None if there are too few, or no way is known."""
+        """Return where relays stand for a goal; None if there are too few.
+
+        If they would be too few along the way from home, those that are called stay, up to one that
+        hears the goal. None is needed if no way is known: it has to be found.
+        """
         if self.linked(np.array([place]), self._base)[0]:
             return ()
+        kept = [link.place for link in self._standing()]
         path = self._ways.path_from_home(place)
-        if path is None:
-            return ()
-        return relay_places(
-            _points_along(path, STEP_M),
-            self._base,
-            self.linked,
-            max_relays=len(self._relays),
-            kept=[link.place for link in self._standing()],
-            clear_of=self._course.at[:2],
-            clear_m=CLEAR_M,
-        )
+        places = None
+        if path is not None:
+            places = relay_places(
+                _points_along(path, STEP_M),
+                self._base,
+                self.linked,
+                max_relays=len(self._relays),
+                kept=kept,
+                clear_of=self._course.at[:2],
+                clear_m=CLEAR_M,
+            )
+        if places is not None:
+            return places
+        for count, anchor in enumerate(kept, 1):
+            if self.linked(np.array([place]), anchor)[0]:
+                return tuple(kept[:count])
+        return () if path is None else None
 
     def linked(self, places: FloatArray, at: Place) -> BoolArray:
         """Return which places are surely linked with a place, ``(n,)``.
@@ -211,20 +235,30 @@ class Chain:
         raster = self._map.raster
         if not raster.is_known(*at):
             return np.zeros(len(places), np.bool_)
-        row, column = raster.cell_of(*at)
-        row, column = row - raster.row, column - raster.column
         known = np.array([raster.is_known(x, y) for x, y in places.tolist()], np.bool_)
         near &= known
-        free = raster.cells == FREE
-        indices = raster.indices_at(places[near])
-        near[near] = [in_sight(free, column + 0.5, row + 0.5, c, r) for r, c in indices.tolist()]
+        if not near.any():
+            return near
+        [seen_from], indices = raster.indices_at(np.array([at])), raster.indices_at(places[near])
+        # Sight depends on the cells between the two only.
+        low = np.minimum(seen_from, indices.min(axis=0))
+        high = np.maximum(seen_from, indices.max(axis=0)) + 1
+        free = raster.cells[low[0] : high[0], low[1] : high[1]] == FREE
+        row, column = (seen_from - low).tolist()
+        near[near] = [
+            in_sight(free, column + 0.5, row + 0.5, c, r) for r, c in (indices - low).tolist()
+        ]
         return near
 
     # The front ------------------------------------------------------------------------------
 
     def call(self, goal: Goal) -> Errand | None:
         """Call the relays that a goal needs; return the errand to wait for them, if any is late."""
-        places = self._places_for(goal.place) or ()
+        places = self._places_for(goal.place)
+        if places is None:
+            # It is out of reach, and the robot goes there to find a way home.
+            places = tuple(link.place for link in self._standing())
+        self._team.passes_front = False
         self._team.links = self._assigned(places)
         late = self._not_in_place()
         if not late:
@@ -254,6 +288,10 @@ class Chain:
     def let_go(self) -> None:
         """Let all relays go, as the front has nothing to do."""
         self._team.links = None
+
+    def pass_front(self) -> None:
+        """Leave the front to the next robot, as this one has nothing to do there."""
+        self._team.passes_front = True
 
     def _assigned(self, places: Sequence[Place]) -> tuple[ChainLink, ...]:
         """Return who stands where: who is there stays, others come from the nearest place."""
@@ -309,22 +347,35 @@ class Chain:
 
     def _errand_at(self, place: Place | None, why: str, front: int) -> Errand:
         mates, revision = self._team.mates, self._map.raster.revision
-        self._follows = front
+        # One that is jammed stands by though it is called.
+        called = self.own_link
+        now_s, wait_s = self._course.time_s, self._options.home_wait_s
+        if self._follows != front:
+            self._follows, self._follows_since_s = front, now_s
         at = self._course.at[:2]
         here = Goal(*at, np.array([at]), 0.0)
+        goal = here if place is None else self._ways.goal_near(place)
+        # Who stays where it is and is interrupted again and again gets no new patience each time.
+        unheard_s = now_s - max(mates.last_heard_s(front), self._follows_since_s)
+        is_patient = (place is not None and goal is not None) or unheard_s < wait_s
+        if unheard_s >= MAX_UNHEARD * wait_s:
+            # It is kept from its place, as by robots that do not let it pass.
+            goal, is_patient = here, False
         return Errand(
             kind="link",
             why=why,
-            # Where bodies bar all paths it waits: its front goes on without it in the end.
-            goal=here if place is None else self._ways.goal_near(place) or here,
+            # Where all paths are barred it waits for one: its front goes on without it in the end.
+            goal=goal or here,
+            is_barred=goal is None,
             is_over=lambda: (
                 self.front != front
                 or not self.is_led
-                or self.own_link != place
+                or self.own_link != called
+                or (goal is None and place is not None and self._ways.goal_near(place) is not None)
                 # Who stands by may have a goal, with what is new.
                 or (place is None and self._has_goal_since(revision))
             ),
-            patience_s=self._options.home_wait_s,
+            patience_s=wait_s if is_patient else 0.0,
             heard_s=lambda: mates.last_heard_s(front),
         )
 

@@ -45,6 +45,9 @@ class Errand:
         Minimum time for which it waits there, in seconds.
     heard_s : callable
         When the robot that it waits for was last heard; it waits for `patience_s` from then on.
+    is_barred : bool
+        Whether no path is free to where it should be, so that it stays where it is; it looks
+        whether bodies have left.
     """
 
     kind: ErrandKind
@@ -54,6 +57,7 @@ class Errand:
     until_s: float = -math.inf
     patience_s: float = 0.0
     heard_s: Callable[[], float] = lambda: -math.inf
+    is_barred: bool = False
 
     @property
     def what(self) -> str:

@@ -213,6 +213,8 @@ class FrontierExplorer:
             return chain.stand_by() if event in DONE else None
         if goal is None or event is not Event.GOAL:
             chain.let_go()
+            if event in DONE:
+                chain.pass_front()
             return None
         return chain.call(goal)
 
@@ -318,6 +320,8 @@ class FrontierExplorer:
                 break
             robot.team.requests.stop = False
             yield from robot.team.deliver()
+            if errand.is_barred:
+                yield from robot.bodies.look()
             # A relay is in touch anyway.
             is_linked = errand.kind in ("link", "wait")
             period_s = robot.options.report_period_s if is_linked else robot.team.period_s

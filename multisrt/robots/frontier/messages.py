@@ -61,6 +61,8 @@ class RobotReport(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True)
     links : tuple of ChainLink or None
         Chains: the relays that the robot needs as the front, from the base station on; None if it
         is not the front.
+    passes_front : bool
+        Chains: whether it found nothing to do as the front, so that the next robot is the front.
     """
 
     robot: int
@@ -76,6 +78,7 @@ class RobotReport(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True)
     aim: Place | None = None
     leader: bool = False
     links: tuple[ChainLink, ...] | None = None
+    passes_front: bool = False
 
 
 class ReportMessage(Message, frozen=True, kw_only=True):

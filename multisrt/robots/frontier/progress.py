@@ -124,9 +124,11 @@ class Event(StrEnum):
     CALLED_ON = "called on"
     """The robot was done, and heard something new."""
     ERRAND = "errand"
-    """The robot is to bring news home, or has met the robot that does."""
+    """The robot has an errand (`multisrt.robots.frontier.errands`): to bring news home, to meet
+    or go after a mate, or to stand in a chain; or it has met the robot that takes its news."""
     ERRAND_OVER = "errand over"
-    """An errand is over: news are delivered or handed over, or the robot has waited in vain."""
+    """An errand is over: it is done, it is not needed any more, or the robot has waited in
+    vain."""
 
     GOAL = "goal"
     """A goal was chosen."""

@@ -119,7 +119,8 @@ class Pursuit:
         self._theirs: dict[int, TheirMap] = {}
         self._quarry: Quarry | None = None
         self._next_s = -math.inf
-        # When each mate was pursued in vain, and how often with what it then had.
+        # When each mate was pursued in vain, and how often with what it then
+        # knew of others.
         self._vain_s: dict[int, float] = {}
         self._tries: dict[tuple[int, Counts], int] = {}
 
@@ -174,7 +175,7 @@ class Pursuit:
             self._course.time_s > heard_s + TOUCH_PERIODS * options.report_period_s
             and not mates.is_lost(number)
             and heard_s > self._vain_s.get(number, -math.inf)
-            and self._tries.get((number, report.have), 0) < MAX_PURSUITS
+            and self._tries.get(_learned(report), 0) < MAX_PURSUITS
         )
 
     # Whom -----------------------------------------------------------------------------------
@@ -216,7 +217,7 @@ class Pursuit:
         if best is None:
             return None
         quarry = best[1]
-        tried = quarry.mate, mates.reports[quarry.mate].have
+        tried = _learned(mates.reports[quarry.mate])
         self._tries[tried] = self._tries.get(tried, 0) + 1
         return quarry
 
@@ -311,3 +312,8 @@ class Pursuit:
     @property
     def _speed_m_s(self) -> float:
         return self._me.kinematics.speed_m_s
+
+
+def _learned(report: RobotReport) -> tuple[int, Counts]:
+    """Return a robot and what it knows of others; its own nodes are no use of a pursuit."""
+    return report.robot, tuple(entry for entry in report.have if entry[0] != report.robot)

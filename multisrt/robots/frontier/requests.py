@@ -20,7 +20,7 @@ class Requests:
     meet : bool
         Whether this robot's mate is here to take its news; see `multisrt.robots.homing.pairs`.
     link : bool
-        Whether the front of the chain called this robot, or let it go.
+        Whether the front of the chain called this robot, let it go, or has nothing to do any more.
     assignment : AssignmentMessage or None
         The leader's answer to a robot that asked it for a goal.
 

@@ -139,6 +139,8 @@ class Team(Listener):
         What this robot does in its pair, if the robots go in pairs of explorer and relay.
     links : tuple of ChainLink or None
         The relays that this robot needs as the front of a chain; None if it is not one.
+    passes_front : bool
+        Whether it found nothing to do as the front of a chain.
     """
 
     ends_pauses_on_time = True
@@ -164,6 +166,7 @@ class Team(Listener):
         self.stops = StopSignals()
         self.pair: Pair | None = None
         self.links: tuple[ChainLink, ...] | None = None
+        self.passes_front = False
         self._answers = options.answers
         self._report_period_s = options.report_period_s
         self._me = me
@@ -203,6 +206,7 @@ class Team(Listener):
             aim=self.cells.aim,
             leader=self.cells.leader,
             links=self.links,
+            passes_front=self.passes_front,
         )
 
     def report(
@@ -307,7 +311,7 @@ class Team(Listener):
 
     def _take_reports(self, message: ReportMessage) -> Steps:
         for report in message.reports:
-            self._note_links(report)
+            self._note_chain(report)
             self.mates.take(report)
         if message.entries:
             yield from self.learn(message.entries)
@@ -320,14 +324,22 @@ class Team(Listener):
             yield from self._ask_for_missing(own.robot, own.have)
         yield from self._tell_ready(own)
 
-    def _note_links(self, report: RobotReport) -> None:
-        """Stop for the front of a chain that calls this robot elsewhere, or lets it go."""
+    def _note_chain(self, report: RobotReport) -> None:
+        """Stop for the front of a chain that calls this robot elsewhere, lets it go, or ends."""
         known = self.mates.reports.get(report.robot)
-        if known is not None and report.said < known.said:
+        # Others pass on what this robot said itself, too.
+        is_old = known is not None and report.said < known.said
+        if is_old or report.robot == self.number:
             return
         before = None if known is None else link_of(known, self.number)
         if link_of(report, self.number) != before:
             self.requests.link = True
+        has_passed = known is not None and known.passes_front
+        if report.passes_front and not has_passed:
+            self.requests.link = True
+        elif has_passed and not report.passes_front and report.robot < self.number:
+            # All had nothing to do, and the first has a goal again: so may this one after it.
+            self.passes_front = False
 
     def _take_appointment(self, pair: Pair, message: AppointmentMessage) -> Steps:
         if message.accepts:

@@ -156,11 +156,12 @@ STORY: tuple[AnyEvent, ...] = (
 )
 
 
-def recorder_of(events: Sequence[AnyEvent], strategy: str) -> Recorder:
+def recorder_of(events: Sequence[AnyEvent], strategy: str, **options: str) -> Recorder:
     """Return a recorder to which a team of three has told events."""
     spec = RunSpec(
         environment=inline(HALL),
         strategy=strategy,
+        options=options,
         robots=tuple(RobotSpec(start=start) for start in STARTS),
     )
     recorder = Recorder(header_of(spec, HALL, tuple(Configuration(*s) for s in STARTS)))
@@ -475,6 +476,29 @@ def test_no_goal_and_the_end(bidding):
     text = explain(bidding, 1)
     assert "no goal: there is none that it can reach" in part(text, "What it chose")
     assert "8.00 s: it ended: no frontier is left" in part(text, "What it did next")
+
+
+@pytest.mark.parametrize(
+    ("home", "said"),
+    [
+        ("never", "that it can reach"),
+        ("in-time", "that it can reach and come home from in time"),
+        ("chain", "that it can reach and from which the chain reaches the base station"),
+    ],
+)
+def test_no_goal_is_explained_by_what_is_asked_of_goals(home, said):
+    recording = recorder_of(BIDS, "minpos", home=home).finish(9.0, "complete", "")
+    lines = part(explain(recording, 1), "What it chose").splitlines()
+    assert lines[0].strip() == f"no goal: there is none {said}"
+
+
+def test_errands_of_all_kinds_are_reasons():
+    # The same words are said of robots that go home, in chains and in pursuit.
+    told = (chosen(8.5, 1, None, because="errand"), chosen(8.7, 1, None, because="errand over"))
+    recording = recorder_of((*BIDS[:-1], *told), "minpos").finish(9.0, "complete", "")
+    before, after = (part(explain(recording, 1, t), "Why it chose again") for t in (8.6, 8.8))
+    assert "home, to meet or go after another robot, or to take its place in a chain" in before
+    assert "errand over: its errand was over: done, not needed any more, or in vain" in after
 
 
 def test_all_choices_of_goals(bidding):

@@ -151,6 +151,19 @@ def test_blocked_cells_are_passable_while_they_are_unblocked(seen):
     assert (occupancy.passable == free).all()
 
 
+def test_unblocked_cannot_be_nested():
+    occupancy = Occupancy(0.1, 0.2)
+    with (
+        occupancy.unblocked(),
+        pytest.raises(InvalidInputError, match="cannot be nested"),
+        occupancy.unblocked(),
+    ):
+        pass
+    # It can be used again.
+    with occupancy.unblocked():
+        pass
+
+
 def test_refuses_lengths_that_are_not_positive():
     for cell in (0.0, -1.0, np.nan, np.inf):
         with pytest.raises(InvalidInputError, match="positive width"):

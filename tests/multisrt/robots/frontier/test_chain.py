@@ -1,5 +1,6 @@
 """Chains of relays: in a corridor, with answers worked out by hand."""
 
+import dataclasses
 import itertools
 import math
 import re
@@ -18,7 +19,7 @@ from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.regions.edge_index import EdgeIndex
 from multisrt.geometry.regions.scan import take_scan
 from multisrt.planners.motion.kinematics import Differential
-from multisrt.robots.explorer import RadioSelf, RobotSelf
+from multisrt.robots.explorer import Look, RadioSelf, RobotSelf, Send, Sighting
 from multisrt.robots.frontier.goal import Goal
 from multisrt.robots.frontier.messages import ChainLink, ReportMessage
 from multisrt.robots.frontier.options import FrontierOptions
@@ -334,7 +335,8 @@ def test_a_relay_stops_when_it_is_called_and_when_it_is_let_go():
         relay.team.requests.link = False
         report = msgspec.structs.replace(report_of(relay, 0, (12.0, 1.2), links), said=k)
         message = ReportMessage(sender=0, reports=(report,))
-        assert list(relay.team._take_reports(message)) is not None
+        # It has all that the front has: there is nothing to say.
+        assert list(relay.team._take_reports(message)) == []
         assert relay.team.requests.link is (k > 0)
         assert relay.homing.chain.own_link == at
         errand = relay.homing.chain.follow()
@@ -367,3 +369,164 @@ def test_a_robot_that_is_late_three_times_is_not_called_again():
         assert chain.note_in_vain() == []
     assert not front.homing.fits(front.course, goal_at(15.0))
     assert front.homing.fits(front.course, goal_at(8.0))
+
+
+def test_a_front_with_nothing_to_do_passes_the_front_on():
+    robots = [member(number) for number in range(3)]
+
+    def tell(teller):
+        robots[teller].team._reports_made += 1
+        message = ReportMessage(sender=teller, reports=(robots[teller].team.own_report(),))
+        for robot in robots:
+            if robot is not robots[teller]:
+                # It asks for nodes that it lacks, which is of no account here.
+                assert all(isinstance(sent, Send) for sent in robot.team._take_reports(message))
+
+    for number in range(3):
+        tell(number)
+    chains = [robot.homing.chain for robot in robots]
+    assert [chain.front for chain in chains] == [0, 0, 0]
+    assert [chain.is_led for chain in chains] == [False, True, True]
+    chains[0].pass_front()
+    tell(0)
+    assert robots[2].team.requests.link
+    # What others pass on of its own report is no news to it.
+    own = ReportMessage(sender=1, reports=(robots[0].team.own_report(),))
+    robots[0].team.requests.link = False
+    list(robots[0].team._take_reports(own))
+    assert not robots[0].team.requests.link
+    assert [chain.front for chain in chains] == [1, 1, 1]
+    assert [chain.is_led for chain in chains] == [True, False, True]
+    for number in (1, 2):
+        chains[number].pass_front()
+        tell(number)
+    # All have nothing to do: nobody waits for another, and the first is the one to go on.
+    assert [chain.front for chain in chains] == [0, 0, 0]
+    assert not any(chain.is_led for chain in chains)
+    # It does, and the others may follow it again.
+    chains[0].call(goal_at(8.0))
+    tell(0)
+    assert [robot.team.passes_front for robot in robots] == [False, False, False]
+    assert [chain.is_led for chain in chains] == [False, True, True]
+
+
+def test_who_stands_by_takes_a_front_as_lost_that_called_nobody():
+    other = member(1)
+    other.team.mates.take(report_of(other, 0, (12.0, 1.2)))
+    chain = other.homing.chain
+    errand = chain.stand_by()
+    assert errand.waits_until_s(0.0) == 30.0
+    # One that is interrupted meanwhile does not wait for as long again.
+    other.course.time_s = 31.0
+    assert chain.stand_by().waits_until_s(31.0) == 31.0
+    assert chain.note_unheard() == 0
+    assert chain.is_front
+
+
+def test_a_relay_that_does_not_get_to_its_place_gives_an_unheard_front_up():
+    relay = member(1)
+    link = ChainLink(robot=1, place=(10.0, 1.2))
+    relay.team.mates.take(report_of(relay, 0, (12.0, 1.2), (link,)))
+    chain = relay.homing.chain
+    for time_s, stays in ((0.0, False), (299.0, False), (301.0, True)):
+        relay.course.time_s = time_s
+        errand = chain.follow()
+        assert (errand.goal.place == relay.at[:2]) is stays
+    assert errand.waits_until_s(301.0) == 301.0
+    assert chain.note_unheard() == 0
+
+
+GAP = Environment(
+    "gap",
+    CORRIDOR.free.difference(
+        shapely.union_all([shapely.box(8, 0, 8.3, 0.7), shapely.box(8, 1.7, 8.3, 2.4)])
+    ),
+)
+
+
+def test_a_front_that_fits_nowhere_does_not_keep_the_others_from_exploring():
+    starts = ((3.0, 1.2), (1.8, 0.6), (1.8, 1.8), (0.7, 1.2))
+    bodies = ("disc:0.6", "disc:0.2", "disc:0.2", "disc:0.2")
+    recording = simulate(
+        RunSpec(
+            environment=inline(GAP),
+            strategy="minpos",
+            options={"home": "chain"},
+            robots=tuple(
+                RobotSpec(start=start, footprint=body)
+                for start, body in zip(starts, bodies, strict=True)
+            ),
+            base=BaseSpec(x=1.0, y=1.2),
+            radio=RadioSpec(range_m=RANGE_M),
+            stop=StopRule(max_time_s=900.0),
+        )
+    )
+    # Robot 0 cannot pass the gap at x = 8: of the others two are relays.
+    assert measure(recording, GAP).coverage > (3 * LINK_M - 2.0) / 60.0
+    fronts = [e.text[-1] for e in recording.of(Decided) if "stands: at link" in e.text]
+    # Each of the three has its turn, as the one before has nothing to do any more.
+    assert [front for front, _ in itertools.groupby(fronts)] == ["1", "2", "3"]
+    assert recording.footer.outcome == "stalled"
+
+
+def test_a_front_that_dies_before_it_calls_anybody_is_followed_by_the_next():
+    recording = go(faults=(Death(robot=0, time_s=2.0),))
+    assert (1, 0) in lost(recording)
+    assert measure(recording, CORRIDOR).coverage > (3 * LINK_M - 2.0) / 60.0
+
+
+PILLAR = Environment("pillar", shapely.box(0, 0, 16, 20).difference(shapely.box(4, 0, 12, 9)))
+
+
+def test_relays_stay_that_hear_a_goal_to_which_there_are_too_few_on_the_way():
+    # From the base station at (2, 5) the goal at (14, 5) is behind the pillar, on a way around it
+    # of two corners; the relay at (8, 18) sees both.
+    me = dataclasses.replace(
+        member(0).me,
+        start=Configuration(3.0, 5.0, 0.0),
+        range_m=8.0,
+        base=(2.0, 5.0),
+        radio=RadioSelf(range_m=30.0, reaches_all=False, walls_matter=True),
+    )
+    robot = FrontierRobot(me, FrontierOptions(home="chain"))
+    index = EdgeIndex(PILLAR.edges, 1.5)
+    seen_from = (
+        (3, 5), (2, 9), (2, 14), (4, 12), (8, 12), (8, 16), (8, 18), (12, 12), (12, 16), (14, 12),
+        (14, 8), (14, 5), (14, 3),
+    )  # fmt: skip
+    for k, (x, y) in enumerate(seen_from):
+        robot.map.add(take_scan(index, Configuration(float(x), float(y), 0.0), float(k), 8.0))
+    relay, place = (8.0, 18.0), (14.0, 5.0)
+    robot.team.mates.take(report_of(robot, 1, relay))
+    chain = robot.homing.chain
+    path = np.array([(3.0, 5.0), place])
+    assert not np.isfinite(chain.only_in_reach(np.array([place]), np.array([20.0])))[0]
+    robot.team.links = (ChainLink(robot=1, place=relay),)
+    assert np.isfinite(chain.only_in_reach(np.array([place]), np.array([20.0])))[0]
+    assert chain.call(Goal(*place, path, 20.0)) is None
+    assert robot.team.links == (ChainLink(robot=1, place=relay),)
+
+
+def test_a_relay_whose_path_was_barred_goes_once_it_is_free():
+    relay = member(1)
+    link = ChainLink(robot=1, place=(10.0, 1.2))
+    relay.team.mates.take(report_of(relay, 0, (12.0, 1.2), (link,)))
+    barring = Sighting(
+        robot=2, configuration=Configuration(6.5, 1.2, 0.0), footprint=Footprint.disc(0.9)
+    )
+    relay.bodies.add(barring)
+    chain = relay.homing.chain
+    errand = chain.follow()
+    assert errand.is_barred
+    assert errand.goal.place == relay.at[:2]
+    assert not errand.is_over()
+    # It looks, and the body is elsewhere.
+    look = relay.bodies.look()
+    assert isinstance(next(look), Look)
+    elsewhere = msgspec.structs.replace(barring, configuration=Configuration(20.0, 1.2, 0.0))
+    with pytest.raises(StopIteration):
+        look.send((elsewhere,))
+    assert errand.is_over()
+    again = chain.follow()
+    assert not again.is_barred
+    assert again.goal.place == pytest.approx((10.0, 1.2), abs=0.1)

@@ -1,5 +1,6 @@
 """Robots that go to frontiers bring news home: in corridors, with answers worked out by hand."""
 
+import dataclasses
 import itertools
 import math
 from typing import Any
@@ -270,6 +271,22 @@ def finished(steps, notes):
     notes.extend(whole())
     [made] = result
     return made
+
+
+def test_random_goals_are_among_those_that_there_is_time_for():
+    chosen = []
+    for seed in range(10):
+        robot = branched_robot(RulesOptions)
+        robot.course.arrive(Configuration(9.0, 0.6, 0.0), 0.0)
+        # Of the corridor of 21 m, there is time to go to x = 14 or so and home.
+        robot.course.time_s = 40.0
+        robot.me = dataclasses.replace(robot.me, rng=np.random.default_rng(seed))
+        rules = Rules()
+        rules.in_vain = 99
+        goal = finished(rules.choose(robot, Event.NO_WAY), [])
+        assert robot.homing.fits(robot.course, goal)
+        chosen.append(rules.wanders)
+    assert any(chosen)
 
 
 def test_bodies_in_the_way_do_not_change_ways_home_that_are_kept():

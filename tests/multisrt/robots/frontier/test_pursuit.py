@@ -198,6 +198,20 @@ def test_a_mate_that_learns_nothing_is_pursued_a_few_times_only():
     assert pursued == MAX_PURSUITS
 
 
+def test_what_a_mate_finds_itself_is_not_learned_by_pursuits():
+    robot = robot_at_20()
+    pursued = 0
+    for k, time_s in enumerate(np.arange(20.0, 400.0, 20.0).tolist()):
+        hear(robot, time_s=time_s - 10.0)
+        report = robot.team.mates.reports[1]
+        robot.team.mates.take(msgspec.structs.replace(report, have=((0, 1, 0), (1, k, 0))))
+        robot.course.time_s = time_s
+        if errand_now(robot) is not None:
+            pursued += 1
+            robot.pursuit.note_end()
+    assert pursued == MAX_PURSUITS
+
+
 # Runs --------------------------------------------------------------------------------------------
 
 OFFICE = CatalogEnvironment(name="office", parameters={"width_m": 20.0, "height_m": 14.0}, seed=1)

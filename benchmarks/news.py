@@ -98,7 +98,7 @@ def run(world: str, range_m: float, mode: str, repetition: int) -> dict[str, obj
 
 def rows(runs: pd.DataFrame) -> list[tuple[str, ...]]:
     """Return the rows of the table, with intervals of the means and paired tests."""
-    found = []
+    found: list[tuple[str, ...]] = []
     for (world, range_m), part in runs.groupby(["world", "range_m"], sort=False):
         delivered = part.pivot(index="repetition", columns="home", values="delivered").dropna()
         for mode in MODES:

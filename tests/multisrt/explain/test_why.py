@@ -161,7 +161,7 @@ def recorder_of(events: Sequence[AnyEvent], strategy: str, **options: str) -> Re
     spec = RunSpec(
         environment=inline(HALL),
         strategy=strategy,
-        options=options,
+        options={**options},
         robots=tuple(RobotSpec(start=start) for start in STARTS),
     )
     recorder = Recorder(header_of(spec, HALL, tuple(Configuration(*s) for s in STARTS)))

@@ -498,7 +498,9 @@ def test_relays_stay_that_hear_a_goal_to_which_there_are_too_few_on_the_way():
         robot.map.add(take_scan(index, Configuration(float(x), float(y), 0.0), float(k), 8.0))
     relay, place = (8.0, 18.0), (14.0, 5.0)
     robot.team.mates.take(report_of(robot, 1, relay))
+    assert robot.homing is not None
     chain = robot.homing.chain
+    assert chain is not None
     path = np.array([(3.0, 5.0), place])
     assert not np.isfinite(chain.only_in_reach(np.array([place]), np.array([20.0])))[0]
     robot.team.links = (ChainLink(robot=1, place=relay),)

@@ -37,7 +37,7 @@ from multisrt.robots.frontier.goal import Goal, Place
 from multisrt.robots.frontier.messages import ChainLink
 from multisrt.robots.frontier.options import FrontierOptions
 from multisrt.robots.frontier.scan_map import ScanMap
-from multisrt.robots.frontier.team import TOUCH_PERIODS, Team, link_of
+from multisrt.robots.frontier.team import Team, link_of
 from multisrt.robots.frontier.ways import Ways
 from multisrt.robots.homing.just_in_time import JustInTime
 
@@ -310,13 +310,12 @@ class Chain:
         return tuple(links)
 
     def _not_in_place(self) -> list[ChainLink]:
-        mates, now_s = self._team.mates, self._course.time_s
-        since_s = now_s - TOUCH_PERIODS * self._options.report_period_s
+        reports = self._team.mates.reports
         return [
             link
             for link in self._team.links or ()
-            if mates.last_heard_s(link.robot) < since_s
-            or math.dist(mates.reports[link.robot].place[:2], link.place) > IN_PLACE_M
+            if not self._team.hears(link.robot)
+            or math.dist(reports[link.robot].place[:2], link.place) > IN_PLACE_M
         ]
 
     def _way_s(self, link: ChainLink) -> float:

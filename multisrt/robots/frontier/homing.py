@@ -23,7 +23,7 @@ from multisrt.robots.frontier.goal import Goal, Place
 from multisrt.robots.frontier.options import FrontierOptions
 from multisrt.robots.frontier.path_finder import PathFinder
 from multisrt.robots.frontier.scan_map import ScanMap
-from multisrt.robots.frontier.team import TOUCH_PERIODS, Team
+from multisrt.robots.frontier.team import Team
 from multisrt.robots.frontier.ways import Ways
 from multisrt.robots.homing.just_in_time import JustInTime
 from multisrt.robots.homing.pairs import AppointmentMessage, Pair, Role, Stage
@@ -253,7 +253,7 @@ class FrontierHoming:
         """Whether an explorer has to set out now to meet its relay in time."""
         now_s = course.time_s
         is_linked = self._team.is_in_touch or not self._team.carries
-        if now_s < self._not_due_s or (is_linked and self.hears_mate(now_s)):
+        if now_s < self._not_due_s or (is_linked and self.hears_mate()):
             return False
         way_s = self.time.way_s(self._ways.length_between(course.at[:2], self.pair.target()))
         left_s = (self.pair.appointment.due_s - now_s - way_s) / self.time.losing
@@ -266,15 +266,14 @@ class FrontierHoming:
             return -math.inf
         return self._team.mates.last_heard_s(self.pair.mate)
 
-    def hears_mate(self, now_s: float) -> bool:
+    def hears_mate(self) -> bool:
         """Whether the mate was heard lately."""
         assert self.pair.mate is not None
-        heard_s = self._team.mates.last_heard_s(self.pair.mate)
-        return now_s <= heard_s + TOUCH_PERIODS * self._options.report_period_s
+        return self._team.hears(self.pair.mate)
 
-    def may_dismiss_mate(self, now_s: float) -> bool:
+    def may_dismiss_mate(self) -> bool:
         """Whether the robot is an explorer whose relay hears it."""
-        return self.pair.role is Role.EXPLORER and self.hears_mate(now_s)
+        return self.pair.role is Role.EXPLORER and self.hears_mate()
 
     def knows_target(self, course: Course) -> bool:
         """Whether the robot knows a way to where it meets its mate."""

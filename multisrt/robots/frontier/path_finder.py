@@ -168,6 +168,22 @@ class PathFinder:
         whole = np.concatenate(([self._course.at[:2]], path))
         return Goal(x, y, whole, length_of(whole))
 
+    def centre_near(self, place: Place) -> Place | None:
+        """Return the centre of the passable cell nearest to a place; None if none is near."""
+        cell = self._map.raster.passable_near(*place, NEAR_BY_CELLS)
+        return None if cell is None else self._map.raster.centre_of(*cell)
+
+    def goal_near(self, place: Place) -> Goal | None:
+        """Return the passable cell nearest to a place as a goal, around bodies."""
+        with self.around_bodies():
+            centre, field = self.centre_near(place), self.own_field()
+            if centre is None or field is None:
+                return None
+            index = indices_of(self._map.raster, np.array([centre]))
+            if not math.isfinite(field.distance(index)[0]):
+                return None
+            return self.goal_at(field, *centre)
+
     def detour_to(self, goal: Goal, sightings: Iterable[Sighting], limit_m: float) -> Goal | None:
         """Return a goal with a path around bodies.
 

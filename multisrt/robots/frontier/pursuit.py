@@ -29,14 +29,14 @@ from multisrt.robots.frontier.course import Course
 from multisrt.robots.frontier.errands import Errand
 from multisrt.robots.frontier.fields import NEAR_BY_CELLS, indices_of
 from multisrt.robots.frontier.frontiers import Frontiers
-from multisrt.robots.frontier.goal import Goal, Place
+from multisrt.robots.frontier.goal import Place
 from multisrt.robots.frontier.homing import FrontierHoming
 from multisrt.robots.frontier.messages import RobotReport
 from multisrt.robots.frontier.options import FrontierOptions
 from multisrt.robots.frontier.path_finder import PathFinder
 from multisrt.robots.frontier.pursuit_routes import UNIT_M, Routes, RouteTable, cells_of
 from multisrt.robots.frontier.scan_map import ScanMap
-from multisrt.robots.frontier.team import TOUCH_PERIODS, Team
+from multisrt.robots.frontier.team import Team
 from multisrt.robots.homing.their_map import TheirMap
 from multisrt.robots.knowledge import Counts
 from multisrt.robots.listening import counts_beyond, have_of
@@ -135,7 +135,7 @@ class Pursuit:
         quarry = self._quarry
         if quarry is None:
             return None
-        goal = self._goal_near(quarry.place)
+        goal = self._paths.goal_near(quarry.place)
         if goal is None:
             self.note_end()
             return None
@@ -169,12 +169,11 @@ class Pursuit:
 
     def _is_absent(self, report: RobotReport) -> bool:
         """Whether a robot is out of touch, and may be pursued."""
-        mates, number, options = self._team.mates, report.robot, self._options
-        heard_s = mates.last_heard_s(number)
+        mates, number = self._team.mates, report.robot
         return (
-            self._course.time_s > heard_s + TOUCH_PERIODS * options.report_period_s
+            not self._team.hears(number)
             and not mates.is_lost(number)
-            and heard_s > self._vain_s.get(number, -math.inf)
+            and mates.last_heard_s(number) > self._vain_s.get(number, -math.inf)
             and self._tries.get(_learned(report), 0) < MAX_PURSUITS
         )
 
@@ -191,7 +190,7 @@ class Pursuit:
         absent = [report for report in absent if not known[report.robot].all()]
         if not absent:
             return None
-        table = self._routes.table(targets, reports, known, self._course)
+        table = RouteTable(self._routes, targets, reports, known, self._course)
         apart = table.apart()
         best: tuple[tuple[int, int], Quarry] | None = None
         for report in absent:
@@ -242,17 +241,13 @@ class Pursuit:
 
     def _known_to(self, report: RobotReport, targets: FloatArray) -> BoolArray:
         """Return which targets lie in what another robot knows; all for one in touch."""
-        if not self._is_out_of_touch(report):
+        if self._team.hears(report.robot):
             return np.ones(len(targets), np.bool_)
-        theirs = self._theirs.setdefault(
-            report.robot, TheirMap(self._map.entries, self._map.raster)
-        )
+        theirs = self._theirs.get(report.robot)
+        if theirs is None:
+            theirs = self._theirs[report.robot] = TheirMap(self._map.entries, self._map.raster)
         theirs.take(have_of(report.have))
         return np.array([theirs.raster.is_known(x, y) for x, y in targets.tolist()], np.bool_)
-
-    def _is_out_of_touch(self, report: RobotReport) -> bool:
-        heard_s = self._team.mates.last_heard_s(report.robot)
-        return self._course.time_s > heard_s + TOUCH_PERIODS * self._options.report_period_s
 
     # Where ----------------------------------------------------------------------------------
 
@@ -293,17 +288,6 @@ class Pursuit:
         since_now_s = self._course.time_s - since_s
         arrivals[usable] = (since_now_s + way_m / self._speed_m_s) / self._options.pursue_step_s
         return arrivals
-
-    def _goal_near(self, place: Place) -> Goal | None:
-        raster = self._map.raster
-        with self._paths.around_bodies():
-            cell, field = raster.passable_near(*place, NEAR_BY_CELLS), self._paths.own_field()
-            if cell is None or field is None:
-                return None
-            x, y = raster.centre_of(*cell)
-            if not math.isfinite(field.distance(indices_of(raster, np.array([(x, y)])))[0]):
-                return None
-            return self._paths.goal_at(field, x, y)
 
     def _units_until(self, time_s: float) -> int:
         """Return how far the robot drives until a time, in whole units."""

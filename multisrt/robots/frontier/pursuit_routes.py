@@ -10,6 +10,7 @@ import numpy as np
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.grids.grid_path import shortest_path
 from multisrt.geometry.numerics.arrays import BoolArray, FloatArray, IntArray
+from multisrt.geometry.numerics.distances import length_of
 from multisrt.planners.assignment.shared_routes import UNREACHABLE, SharedRoutes, shared_routes
 from multisrt.planners.navigation.path_following import ahead
 from multisrt.robots.explorer import RobotSelf
@@ -46,16 +47,6 @@ class Routes:
         self.number = me.robot
         self._map = map
         self._paths = paths
-
-    def table(
-        self,
-        targets: FloatArray,
-        reports: Sequence[RobotReport],
-        known: Mapping[int, BoolArray],
-        course: Course,
-    ) -> RouteTable:
-        """Return the routes over targets; the parameters are those of `RouteTable`."""
-        return RouteTable(self, targets, reports, known, course)
 
     def costs(self, places: Sequence[Place], targets: FloatArray) -> IntArray:
         """Return the lengths of paths from places to targets, ``(k, m)`` whole units."""
@@ -152,19 +143,8 @@ class RouteTable:
             if leg is None:
                 break
             route += [(a, b) for a, b in leg.tolist()]
-            passes.append((target, length_m(route)))
+            passes.append((target, length_of(np.array(route))))
         return np.array(route), passes
-
-
-def length_m(route: Sequence[Place]) -> float:
-    """Return the length of a route in metres.
-
-    Examples
-    --------
-    >>> length_m([(0.0, 0.0), (3.0, 4.0), (3.0, 5.0)])
-    6.0
-    """
-    return math.fsum(map(math.dist, route[:-1], route[1:]))
 
 
 def cells_of(route: FloatArray, cell_m: float) -> tuple[FloatArray, FloatArray]:

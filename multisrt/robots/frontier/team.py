@@ -182,7 +182,14 @@ class Team(Listener):
     @property
     def is_in_touch(self) -> bool:
         """Whether the base station was heard lately: it acknowledges news at once."""
-        return self._course.time_s <= self.base_heard_s + TOUCH_PERIODS * self._report_period_s
+        return self._is_recent(self.base_heard_s)
+
+    def hears(self, robot: int) -> bool:
+        """Whether another robot was heard lately."""
+        return self._is_recent(self.mates.last_heard_s(robot))
+
+    def _is_recent(self, heard_s: float) -> bool:
+        return self._course.time_s <= heard_s + TOUCH_PERIODS * self._report_period_s
 
     def present(self) -> list[RobotReport]:
         """Return the reports of the robots to take into account; see `Teammates.present`."""

@@ -18,7 +18,7 @@ from multisrt.geometry.numerics.arrays import FloatArray
 from multisrt.geometry.numerics.distances import length_of
 from multisrt.robots.explorer import RobotSelf
 from multisrt.robots.frontier.course import Course
-from multisrt.robots.frontier.fields import NEAR_BY_CELLS, indices_of
+from multisrt.robots.frontier.fields import indices_of
 from multisrt.robots.frontier.goal import Goal, Place
 from multisrt.robots.frontier.path_finder import PathFinder
 from multisrt.robots.frontier.scan_map import ScanMap
@@ -84,14 +84,14 @@ class Ways:
         """Return the length of the way home from where the robot stands, in metres."""
         if self.contact.hears(*place):
             return 0.0
-        centre = self._centre_near(place)
+        centre = self._paths.centre_near(place)
         if centre is None:
             return math.inf
         return math.dist(place, centre) + float(self.lengths(np.array([centre]))[0])
 
     def length_between(self, here: Place, there: Place) -> float:
         """Return the length of the path between two places, without regard to bodies."""
-        field, centre = self._paths.field(*there), self._centre_near(here)
+        field, centre = self._paths.field(*there), self._paths.centre_near(here)
         if field is None or centre is None:
             return math.inf
         return float(field.distance(indices_of(self._map.raster, np.array([centre])))[0])
@@ -105,7 +105,7 @@ class Ways:
             Metres. If the robot knows no way to the base station itself, it begins where that hears
             the robot; None if it knows no way there either.
         """
-        centre = self._centre_near(place)
+        centre = self._paths.centre_near(place)
         if centre is None:
             return None
         index = indices_of(self._map.raster, np.array([centre]))
@@ -153,18 +153,11 @@ class Ways:
 
     def goal_near(self, place: Place) -> Goal | None:
         """Return the passable cell nearest to a place as a goal, around bodies."""
-        raster = self._map.raster
-        with self._paths.around_bodies():
-            centre, field = self._centre_near(place), self._paths.own_field()
-            if centre is None or field is None:
-                return None
-            if not math.isfinite(field.distance(indices_of(raster, np.array([centre])))[0]):
-                return None
-            return self._paths.goal_at(field, *centre)
+        return self._paths.goal_near(place)
 
     def _end_of_way(self, here: Place) -> Place | None:
         """Return the place to which the way home leads, without regard to bodies."""
-        field, centre = self._home_field(), self._centre_near(here)
+        field, centre = self._home_field(), self._paths.centre_near(here)
         if field is None or centre is None:
             return None
         index = indices_of(self._map.raster, np.array([centre]))
@@ -172,11 +165,6 @@ class Ways:
             return None
         x, y = shortest_path(field, index[0])[0].tolist()
         return x, y
-
-    def _centre_near(self, place: Place) -> Place | None:
-        """Return the centre of the passable cell nearest to a place; None if none is near."""
-        cell = self._map.raster.passable_near(*place, NEAR_BY_CELLS)
-        return None if cell is None else self._map.raster.centre_of(*cell)
 
     def _cut(self, goal: Goal) -> Goal:
         """Return a goal whose path ends where the base station hears the robot on the way."""

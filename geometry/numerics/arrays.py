@@ -33,6 +33,26 @@ def grown(array: Array, length: int) -> Array:
     return larger
 
 
+def roomier(held: int, needed: int) -> int:
+    """Return the number of rows that arrays with too few of them are to have.
+
+    Large teams hold many such arrays, of which no more than a fifth is to spare.
+
+    Parameters
+    ----------
+    held : int
+        Rows that they have.
+    needed : int
+        Rows that they need at least.
+
+    Examples
+    --------
+    >>> roomier(0, 1), roomier(1000, 1001), roomier(1000, 5000)
+    (64, 1250, 5000)
+    """
+    return max(needed, held + held // 4, 64)
+
+
 def builtin(value: Any) -> Any:
     """Return the builtin equivalent of a number, a text or an array of numpy.
 

@@ -7,7 +7,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from multisrt.geometry.numerics.arrays import FloatArray, IntArray, grown
+from multisrt.geometry.numerics.arrays import FloatArray, IntArray, grown, roomier
 from multisrt.geometry.numerics.kernel import kernel
 
 STRETCH: Final = 32
@@ -93,9 +93,9 @@ class Rings:
         held = self.arrays
         count, room = len(held.boxes), len(held.corners)
         if self._count == count:
-            count = max(64, 2 * count)
+            count = roomier(count, count + 1)
         if corners > room:
-            room = max(corners, 2 * room)
+            room = roomier(room, corners)
         self.arrays = RingArrays(
             starts=grown(held.starts, count + 1),
             corners=grown(held.corners, room),

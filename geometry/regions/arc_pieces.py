@@ -222,7 +222,7 @@ def _compacted(held: PieceArrays, more: int) -> tuple[PieceArrays, int]:
     used = 0
     for owner in range(spans.shape[0]):
         used += spans[owner, 1] - spans[owner, 0] + spans[owner, 3] - spans[owner, 2]
-    capacity = max(held.pieces.shape[0], 2 * (used + more))
+    capacity = max(MIN_CAPACITY, used + used // 2 + more)
     pieces, wholes = np.empty((capacity, 4)), np.empty((capacity, 4))
     end = 0
     for owner in range(spans.shape[0]):

@@ -7,22 +7,22 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from multisrt.geometry.numerics.arrays import (
-    BoolArray,
     ByteArray,
     FloatArray,
     Int32Array,
     IntArray,
     grown,
+    roomier,
 )
 from multisrt.geometry.numerics.kernel import inlined_kernel, kernel
 from multisrt.geometry.numerics.rings import RingArrays, Rings
 from multisrt.geometry.regions.segment_difference import (
+    MIN_REMAINDER_M,
     MIN_SEGMENT_M,
     Intervals,
     Remainders,
     add_remainders,
     crossings_with,
-    insert_interval,
     shifted_line,
 )
 
@@ -36,6 +36,8 @@ ENOUGH: Final = 0
 ROOM_FOR_COVERS: Final = 1
 ROOM_IN_TABLE: Final = 2
 
+NO_ROW: Final = -1
+
 SLACK_M: Final = 1e-5
 """Boxes of rings are widened by this length in metres, as edges are compared beside their rings."""
 
@@ -44,8 +46,8 @@ class UnionBorder:
     """The border of the union of rings, whose number may grow.
 
     It consists of the edges of the rings less what lies inside other rings. Each edge is compared
-    once with each ring: what rings cover of it is kept, and only the rings that have been added
-    since are compared when it is asked for again.
+    once with each ring, when it is asked for: what all rings together cover of it is kept, and
+    only those that have been added since are compared when it is asked for again.
 
     Parameters
     ----------
@@ -64,60 +66,75 @@ class UnionBorder:
     6
     """
 
-    __slots__ = ("_covers", "_edges", "_known", "_rings", "_table", "_used")
+    __slots__ = ("_covers", "_edges", "_first", "_held", "_known", "_rings", "_table")
 
     def __init__(self, rings: Rings) -> None:
         self._rings = rings
+        # The row of the first edge of every ring; those that were never asked for have none.
+        self._first: Int32Array = np.zeros(0, np.int32)
+        self._held = 0
         self._edges = _Edges(
             compared=np.zeros(0, np.int32), state=np.zeros(0, np.uint8), last=np.zeros(0, np.int32)
         )
         self._covers = _Covers(
-            ring=np.zeros(256, np.int32), span=np.zeros((256, 2)), before=np.zeros(256, np.int32)
+            span=np.zeros((256, 2)), before=np.zeros(256, np.int32), tally=np.zeros(2, np.int64)
         )
-        self._used = 0
         # The ends of the edges that have been compared, by their hash.
         self._table: FloatArray = np.full((256, 4), np.nan)
         self._known = 0
 
     def within(self, indices: IntArray, window: Window) -> FloatArray:
-        """Return the border of the union of some rings in a window.
+        """Return the border of the union in a window.
 
         Parameters
         ----------
         indices : (k,) array of int
-            The rings: all that have a part in the window.
+            The rings that have a part in the window, all of them.
         window : (x0, y0, x1, y1)
             In metres.
 
         Returns
         -------
         (b, 4) array
-            Segments x0, y0, x1, y1 in metres with a part in the window, in the order of the rings
-            and their edges, each once. Pieces shorter than 0.1 mm may be missing.
+            Segments x0, y0, x1, y1 in metres, from edges with a part in the window, in the order
+            of the rings and their edges, each once. Pieces shorter than 0.1 mm may be missing.
         """
-        arrays, held = self._rings.arrays, len(self._edges.state)
-        if held < len(arrays.corners):
-            edges, room = self._edges, len(arrays.corners)
+        self._number(indices)
+        lacks = self._compare(indices, window)
+        while lacks != ENOUGH:
+            self._make_room(lacks)
+            lacks = self._compare(indices, window)
+        rings = self._rings.arrays
+        pieces: FloatArray = _pieces(indices, window, rings, self._first, self._edges, self._covers)
+        return pieces
+
+    def _number(self, indices: IntArray) -> None:
+        # Give rows to the edges of rings that have none.
+        count, starts = len(self._rings), self._rings.arrays.starts
+        if len(self._first) < count:
+            held = len(self._first)
+            self._first = grown(self._first, roomier(held, count))
+            self._first[held:] = NO_ROW
+        new = indices[self._first[indices] == NO_ROW]
+        if not len(new):
+            return
+        sizes = starts[new + 1] - starts[new]
+        ends = self._held + np.cumsum(sizes)
+        self._first[new] = ends - sizes
+        self._held = int(ends[-1])
+        if self._held > len(self._edges.state):
+            edges, room = self._edges, roomier(len(self._edges.state), self._held)
             self._edges = _Edges(
                 compared=grown(edges.compared, room),
                 state=grown(edges.state, room),
                 last=grown(edges.last, room),
             )
-        lacks = self._compare(indices, window)
-        while lacks != ENOUGH:
-            self._make_room(lacks)
-            lacks = self._compare(indices, window)
-        is_one = np.zeros(len(self._rings), np.bool_)
-        is_one[indices] = True
-        pieces: FloatArray = _pieces(indices, window, arrays, self._edges, self._covers, is_one)
-        return pieces
 
     def _compare(self, indices: IntArray, window: Window) -> int:
-        self._used, self._known, lacks = _compare(
-            (indices, window, self._rings.arrays, len(self._rings)),
+        self._known, lacks = _compare(
+            (indices, window, self._rings.arrays, len(self._rings), self._first),
             self._edges,
             self._covers,
-            self._used,
             self._table,
             self._known,
         )
@@ -125,11 +142,10 @@ class UnionBorder:
 
     def _make_room(self, lacks: int) -> None:
         if lacks == ROOM_FOR_COVERS:
-            covers, room = self._covers, 2 * len(self._covers.ring)
-            self._covers = _Covers(
-                ring=grown(covers.ring, room),
-                span=grown(covers.span, room),
-                before=grown(covers.before, room),
+            covers, held = self._covers, len(self._covers.before)
+            room = roomier(held, held + 1)
+            self._covers = covers._replace(
+                span=grown(covers.span, room), before=grown(covers.before, room)
             )
         else:
             table = np.full((2 * len(self._table), 4), np.nan)
@@ -138,33 +154,33 @@ class UnionBorder:
 
 
 class _Edges(NamedTuple):
-    # By the index of the corner at which an edge ends: with how many rings it has been compared,
-    # `NEW`, `KEPT` or `GONE`, and 1 + the number of the last interval that was noted.
+    # By the row of an edge: with how many rings it has been compared, `NEW`, `KEPT` or `GONE`, and
+    # 1 + the row of the last interval of it that is covered.
     compared: Int32Array
     state: ByteArray
     last: Int32Array
 
 
 class _Covers(NamedTuple):
-    # Intervals of edges that lie in rings: the ring, where it begins and ends in metres along the
-    # edge, and 1 + the number of the interval of the edge that was noted before.
-    ring: Int32Array
+    # Intervals of edges that lie in rings, apart from each other: where each begins and ends in
+    # metres along the edge, and 1 + the row of the one before it. `tally` has the number of rows
+    # that were ever used, and 1 + the first of those that are free again.
     span: FloatArray
     before: Int32Array
+    tally: IntArray
 
 
 @kernel
 def _compare(
-    asked: tuple[IntArray, Window, RingArrays, int],
+    asked: tuple[IntArray, Window, RingArrays, int, Int32Array],
     edges: _Edges,
     covers: _Covers,
-    used: int,
     table: FloatArray,
     known: int,
-) -> tuple[int, int, int]:
+) -> tuple[int, int]:
     # Compare edges in the window with the rings that they have not been compared with. Return the
-    # number of intervals and of edges in the table, and what there is not enough room for.
-    indices, window, rings, count = asked
+    # number of edges in the table, and what there is not enough room for.
+    indices, window, rings, count, first = asked
     starts, corners = rings.starts, rings.corners
     others, longest = _rings_around(indices, rings, count)
     crossings = np.empty(longest + 1)
@@ -172,27 +188,26 @@ def _compare(
         px, py = corners[starts[k + 1] - 1]
         for c in range(starts[k], starts[k + 1]):
             qx, qy = corners[c]
+            e = first[k] + c - starts[k]
             if (
-                edges.state[c] != GONE
-                and edges.compared[c] < count
+                edges.state[e] != GONE
+                and edges.compared[e] < count
                 and _meets(px, py, qx, qy, window)
             ):
-                if edges.state[c] == NEW:
+                if edges.state[e] == NEW:
                     if 2 * known >= table.shape[0]:
-                        return used, known, ROOM_IN_TABLE
+                        return known, ROOM_IN_TABLE
                     is_first = _enter(table, px, py, qx, qy)
                     is_long = np.hypot(qx - px, qy - py) > MIN_SEGMENT_M
-                    edges.state[c] = KEPT if is_first and is_long else GONE
+                    edges.state[e] = KEPT if is_first and is_long else GONE
                     known += is_first
-                if edges.state[c] == KEPT:
+                if edges.state[e] == KEPT:
                     ends = px, py, qx, qy
-                    used_now = _cover(c, ends, rings, others, edges, covers, used, crossings)
-                    if used_now < 0:
-                        return used, known, ROOM_FOR_COVERS
-                    used = used_now
-                    edges.compared[c] = count
+                    if not _cover(e, ends, rings, others, edges, covers, crossings):
+                        return known, ROOM_FOR_COVERS
+                    edges.compared[e] = count
             px, py = qx, qy
-    return used, known, ENOUGH
+    return known, ENOUGH
 
 
 @inlined_kernel
@@ -233,17 +248,17 @@ def _cover(
     others: IntArray,
     edges: _Edges,
     covers: _Covers,
-    used: int,
     crossings: FloatArray,
-) -> int:
+) -> bool:
     # Note what rings cover of an edge, from the first on with which it has not been compared.
-    # Return the number of intervals then; -1, with nothing noted, if there is no room.
+    # Return False, with nothing noted, if there is no room.
     x0, y0, x1, y1 = ends
-    line = shifted_line(x0, y0, x1, y1, np.hypot(x1 - x0, y1 - y0))
+    length = np.hypot(x1 - x0, y1 - y0)
+    line = shifted_line(x0, y0, x1, y1, length)
     end_x, end_y = line.x + x1 - x0, line.y + y1 - y0
     left, right = min(line.x, end_x), max(line.x, end_x)
     low, high = min(line.y, end_y), max(line.y, end_y)
-    last, free = edges.last[edge], used
+    covered, size = _covered(edge, edges, covers)
     for n in others:
         if n < edges.compared[edge]:
             break
@@ -258,18 +273,105 @@ def _cover(
         # Between the first and the second crossing the line is inside, and so on.
         for z in range(0, crossed - 1, 2):
             begin, end = max(0.0, crossings[z]), min(line.length, crossings[z + 1])
-            if begin == 0.0 and end == line.length:
-                edges.state[edge] = GONE
-                return used
             if end > begin:
-                if free == covers.ring.shape[0]:
-                    return -1
-                covers.ring[free], covers.before[free] = n, last
-                covers.span[free, 0], covers.span[free, 1] = begin, end
-                free += 1
-                last = free
+                if size == covered.low.shape[0]:
+                    covered = _wider(covered)
+                size = _unite(covered, size, begin, end)
+        if size == 1 and covered.low[0] == 0.0 and covered.high[0] == line.length:
+            break
+    return _note(edge, length, covered, size, edges, covers)
+
+
+@kernel
+def _covered(edge: int, edges: _Edges, covers: _Covers) -> tuple[Intervals, int]:
+    # The intervals of an edge that are covered, in their order, with room for more.
+    size, interval = 0, edges.last[edge]
+    while interval:
+        size, interval = size + 1, covers.before[interval - 1]
+    covered = Intervals(np.empty(2 * size + 8), np.empty(2 * size + 8))
+    z, interval = size, edges.last[edge]
+    while interval:
+        z -= 1
+        covered.low[z] = covers.span[interval - 1, 0]
+        covered.high[z] = covers.span[interval - 1, 1]
+        interval = covers.before[interval - 1]
+    return covered, size
+
+
+@kernel
+def _wider(covered: Intervals) -> Intervals:
+    size = covered.low.shape[0]
+    wider = Intervals(np.empty(2 * size), np.empty(2 * size))
+    wider.low[:size], wider.high[:size] = covered.low, covered.high
+    return wider
+
+
+@kernel
+def _unite(covered: Intervals, count: int, begin: float, end: float) -> int:
+    # Unite an interval with those that are sorted and apart; return their new number.
+    low, high = covered.low, covered.high
+    first = count
+    while first > 0 and high[first - 1] >= begin:
+        first -= 1
+    last = first
+    while last < count and low[last] <= end:
+        last += 1
+    # Intervals first to last, without the last one, meet the new one, which takes their place.
+    if last > first:
+        begin, end = min(begin, low[first]), max(end, high[last - 1])
+        for z in range(last, count):
+            low[z - last + first + 1], high[z - last + first + 1] = low[z], high[z]
+    else:
+        for z in range(count, first, -1):
+            low[z], high[z] = low[z - 1], high[z - 1]
+    low[first], high[first] = begin, end
+    return count - (last - first) + 1
+
+
+@kernel
+def _note(
+    edge: int, length: float, covered: Intervals, size: int, edges: _Edges, covers: _Covers
+) -> bool:
+    # Keep the intervals of an edge that are covered in place of those before, none if nothing is
+    # left of it. Return False, with nothing changed, if there is no room.
+    if _is_covered(covered, size, length):
+        edges.state[edge] = GONE
+        size = 0
+    span, before, tally = covers.span, covers.before, covers.tally
+    if tally[0] + size > before.shape[0]:
+        return False
+    interval = edges.last[edge]
+    while interval:
+        following = before[interval - 1]
+        before[interval - 1] = tally[1]
+        tally[1] = interval
+        interval = following
+    last = 0
+    for z in range(size):
+        if tally[1]:
+            row = tally[1] - 1
+            tally[1] = before[row]
+        else:
+            row = tally[0]
+            tally[0] += 1
+        span[row, 0], span[row, 1] = covered.low[z], covered.high[z]
+        before[row] = last
+        last = row + 1
     edges.last[edge] = last
-    return free
+    return True
+
+
+@kernel
+def _is_covered(covered: Intervals, size: int, length: float) -> bool:
+    # Whether intervals leave nothing of an edge that counts.
+    if size == 0:
+        return False
+    begin = 0.0
+    for z in range(size):
+        if covered.low[z] - begin > MIN_REMAINDER_M:
+            return False
+        begin = covered.high[z]
+    return length - begin <= MIN_REMAINDER_M
 
 
 @kernel
@@ -297,43 +399,34 @@ def _pieces(
     indices: IntArray,
     window: Window,
     rings: RingArrays,
+    first: Int32Array,
     edges: _Edges,
     covers: _Covers,
-    is_one: BoolArray,
 ) -> FloatArray:
-    # What the rings that are asked for leave of the edges in the window.
+    # What rings leave of the edges in the window.
     starts, corners = rings.starts, rings.corners
     total = 0
     for k in indices:
         total += starts[k + 1] - starts[k]
     segments, numbers = np.empty((total, 4)), np.empty(total, np.int64)
-    count, most = 0, 0
+    count = 0
     for k in indices:
         px, py = corners[starts[k + 1] - 1]
         for c in range(starts[k], starts[k + 1]):
             qx, qy = corners[c]
-            if edges.state[c] == KEPT and _meets(px, py, qx, qy, window):
+            e = first[k] + c - starts[k]
+            if edges.state[e] == KEPT and _meets(px, py, qx, qy, window):
                 segments[count, 0], segments[count, 1] = px, py
                 segments[count, 2], segments[count, 3] = qx, qy
-                numbers[count] = c
+                numbers[count] = e
                 count += 1
-                size, interval = 0, edges.last[c]
-                while interval:
-                    size, interval = size + 1, covers.before[interval - 1]
-                most = max(most, size)
             px, py = qx, qy
-    covered = Intervals(np.empty(most), np.empty(most))
     room = max(16, 2 * count)
     while True:
         found = Remainders(np.empty((room, 4)), np.empty(room, np.int64))
         kept = 0
         for i in range(count):
-            size, interval = 0, edges.last[numbers[i]]
-            while interval:
-                if is_one[covers.ring[interval - 1]]:
-                    begin, end = covers.span[interval - 1, 0], covers.span[interval - 1, 1]
-                    size = insert_interval(covered, size, begin, end)
-                interval = covers.before[interval - 1]
+            covered, size = _covered(numbers[i], edges, covers)
             x0, y0, x1, y1 = segments[i, 0], segments[i, 1], segments[i, 2], segments[i, 3]
             length = np.hypot(x1 - x0, y1 - y0)
             direction = (x1 - x0) / length, (y1 - y0) / length

@@ -6,7 +6,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from multisrt.geometry.numerics.arrays import grown
+from multisrt.geometry.numerics.arrays import grown, roomier
 from multisrt.geometry.numerics.kernel import FloatArray, IntArray
 from multisrt.geometry.regions.arc_pieces import ArcPieces
 from multisrt.geometry.regions.frontier_arcs import total_length
@@ -92,7 +92,7 @@ class LocalFrontiers:
             The nodes whose arcs changed, this one first.
         """
         if number == len(self._changed):
-            count = max(64, 2 * number)
+            count = roomier(number, number + 1)
             self._arcs.make_room(count)
             self._changed = grown(self._changed, count)
         changed = self._arcs.add(

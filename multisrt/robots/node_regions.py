@@ -9,7 +9,7 @@ import shapely
 from numpy.typing import NDArray
 from shapely.geometry.base import BaseGeometry
 
-from multisrt.geometry.numerics.arrays import grown
+from multisrt.geometry.numerics.arrays import grown, roomier
 from multisrt.geometry.numerics.boxes import intersecting_boxes
 from multisrt.geometry.numerics.kernel import IntArray
 from multisrt.geometry.numerics.point_hash import PointHash
@@ -63,7 +63,7 @@ class NodeRegions:
         """Add a node and return its number."""
         number = self.rings.add(node.region.boundary)
         if number == len(self.id_rows):
-            self.id_rows = grown(self.id_rows, max(64, 2 * number))
+            self.id_rows = grown(self.id_rows, roomier(number, number + 1))
         self.id_rows[number] = node.id
         self.places.add(node.configuration.x, node.configuration.y)
         self.ids.append(node.id)

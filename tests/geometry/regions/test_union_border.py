@@ -1,7 +1,6 @@
 """The border of a growing union, against one that is computed at once."""
 
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -38,13 +37,13 @@ def meeting(rings, window):
 
 
 def computed_at_once(rings, indices, window):
-    """The pieces of all edges in a window that lie in no ring."""
+    """The pieces of the edges of some rings in a window that lie in no ring at all."""
     x0, y0, x1, y1 = window
     ends = [rings.ring(k) for k in indices.tolist()]
     edges = np.vstack([np.hstack([np.roll(ring, 1, axis=0), ring]) for ring in ends])
     low, high = np.minimum(edges[:, :2], edges[:, 2:]), np.maximum(edges[:, :2], edges[:, 2:])
     inside = (high >= (x0, y0)).all(axis=1) & (low <= (x1, y1)).all(axis=1)
-    return uncovered(np.ascontiguousarray(edges[inside]), rings.arrays, indices)[0]
+    return uncovered(np.ascontiguousarray(edges[inside]), rings.arrays, np.arange(len(rings)))[0]
 
 
 @given(st.integers(0, 100_000))
@@ -92,15 +91,21 @@ def test_there_is_room_for_many_edges_and_covers():
     assert len(found) > 2 * 100 * 49
 
 
-@pytest.mark.parametrize("subset", [[0], [1], [0, 1]])
-def test_rings_that_are_not_asked_for_cover_nothing(subset):
-    # The ring that is left out meets the other one outside of the window.
+def test_rings_beyond_the_window_cover_what_reaches_out_of_it():
     rings = Rings([box(0, 0, 4, 1), box(3, 0.5, 4, 1)])
+    found = UnionBorder(rings).within(np.array([0]), (0.0, 0.0, 2.0, 1.0))
+    assert found.tolist() == [[0, 1, 0, 0], [0, 0, 4, 0], [3, 1, 0, 1]]
+
+
+def test_edges_that_many_rings_hide_together_take_no_room():
+    # No box hides the line beneath them alone; all of them overlap on it.
+    rings = Rings([box(0.0, 0.0, 10.0, 0.5)])
     border = UnionBorder(rings)
-    border.within(np.array([0, 1]), (-9.0, -9.0, 9.0, 9.0))
-    window = {(0,): (0.0, 0.0, 2.0, 1.0), (1,): (5.0, 0.0, 8.0, 2.0)}.get(
-        tuple(subset), (0.0, 0.0, 8.0, 2.0)
-    )
-    indices = np.array(subset)
-    found = border.within(indices, window)
-    assert found.tolist() == computed_at_once(rings, indices, window).tolist()
+    everything = (-99.0, -99.0, 99.0, 99.0)
+    for k in range(400):
+        rings.add(box(0.025 * k - 0.5, -1.0 - 0.001 * k, 1.0, 3.0))
+        border.within(np.arange(k + 2), everything)
+    lower = [edge for edge in border.within(np.arange(401), everything) if edge[1] == edge[3] == 0]
+    assert lower == []
+    # The boxes hide all but the ends of each other's edges.
+    assert border._covers.tally[0] < 3000

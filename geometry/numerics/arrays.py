@@ -1,6 +1,8 @@
-"""Types of the arrays that this package passes around."""
+"""Types of the arrays that this package passes around, and arrays that grow."""
 
-from typing import Any, TypeVar
+import math
+import mmap
+from typing import Any, Final, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,8 +16,15 @@ BoolArray = NDArray[np.bool_]
 Array = TypeVar("Array", FloatArray, IntArray, Int32Array, ByteArray)
 
 
+MAPPED_BYTES: Final = 1 << 18
+"""Arrays that grow to this size have pages of memory of their own."""
+
+
 def grown(array: Array, length: int) -> Array:
     """Return a copy of an array with more rows, those added being zero.
+
+    Rows take no memory before they are written, and all of it is returned when the array is
+    dropped: the arrays of large teams grow in turns, and would leave holes in a common heap.
 
     Parameters
     ----------
@@ -28,15 +37,19 @@ def grown(array: Array, length: int) -> Array:
     -------
     (length, ...) array
     """
-    larger = np.zeros((length, *array.shape[1:]), array.dtype)
+    shape = (length, *array.shape[1:])
+    size = math.prod(shape) * array.itemsize
+    larger: Array
+    if size < MAPPED_BYTES:
+        larger = np.zeros(shape, array.dtype)
+    else:
+        larger = np.frombuffer(mmap.mmap(-1, size), array.dtype).reshape(shape)
     larger[: len(array)] = array
     return larger
 
 
 def roomier(held: int, needed: int) -> int:
     """Return the number of rows that arrays with too few of them are to have.
-
-    Large teams hold many such arrays, of which no more than a fifth is to spare.
 
     Parameters
     ----------
@@ -48,9 +61,9 @@ def roomier(held: int, needed: int) -> int:
     Examples
     --------
     >>> roomier(0, 1), roomier(1000, 1001), roomier(1000, 5000)
-    (64, 1250, 5000)
+    (64, 2000, 5000)
     """
-    return max(needed, held + held // 4, 64)
+    return max(needed, 2 * held, 64)
 
 
 def builtin(value: Any) -> Any:

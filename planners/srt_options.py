@@ -73,7 +73,7 @@ class SrtOptions(HomeOptions, frozen=True, kw_only=True, forbid_unknown_fields=T
     power: float = 4.0
     return_area_m2: float = 5.0
     turn_m_per_rad: float = 0.3
-    stop_share: float = 0.3
+    stop_share: float = 0.2
     alpha: float = 0.8
     max_draws: int = 10
     d_min_m: float | None = None

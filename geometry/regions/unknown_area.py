@@ -54,7 +54,7 @@ def unknown_areas(
     >>> corners = np.array([[-0.1, -9.0], [-0.1, 9.0], [-9.0, 9.0], [-9.0, -9.0]])
     >>> tags = np.full(4, OBSTACLE, np.int8)
     >>> room = LocalSafeRegion(x=-1.0, y=0.0, range_m=9.0, boundary=corners, tags=tags)
-    >>> 2.0 < float(unknown_areas(place, 2.0, [room])[0] / np.pi) < 2.1
+    >>> 2.0 < float(unknown_areas(place, 2.0, [room])[0] / np.pi) < 2.2
     True
     """
     starts = np.zeros(len(regions) + 1, np.int64)

@@ -20,19 +20,21 @@ class SrtOptions(HomeOptions, frozen=True, kw_only=True, forbid_unknown_fields=T
     ----------
     choice : {"random", "gain"}
         How the next place is chosen: drawn at random towards the local frontier, as in the paper,
-        with the stages that follow; or a place that sees the frontier arc of the highest value
-        (see `multisrt.robots.multi_srt.best_arc`), for which of the parameters below only `power`
-        to `stop_share` and those of the regions and of the third stage count.
+        with the stages that follow; or a place that sees the frontier arc of the highest value,
+        the area that it would show over a power of the way there. Then `alpha`, `max_draws`,
+        `frontier_bias` and `approach` have no effect on a robot's own plans, and `complete` is
+        needed.
     power : float
         With ``choice="gain"``: power of the way in the value of an arc.
     return_area_m2 : float
-        Area in square metres that stands for the way back to an arc that is left behind; it is
-        added to the area beyond each.
+        With ``choice="gain"``: area in square metres that stands for the way back to an arc that is
+        left behind; it is added to the area beyond each.
     turn_m_per_rad : float
-        Way in metres that a radian of the first turn counts as.
+        With ``choice="gain"``: way in metres that a radian of the first turn counts as.
     stop_share : float
-        On the last straight piece of its way the robot stops where this share of the largest
-        unknown area that it could see from there is in sight; 1 to go all the way.
+        With ``choice="gain"``: on the last straight piece of its way the robot stops where this
+        share of the largest unknown area that any place on it shows is in sight; 1 to go all the
+        way.
     alpha : float
         Distance of a candidate as a share of the distance to the region's boundary (paper: alpha).
     max_draws : int

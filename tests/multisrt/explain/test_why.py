@@ -218,7 +218,9 @@ def test_arcs_are_listed_by_their_values():
         ["(5.00,", "1.00)", "25.0", "m²", "4.00", "m", "100.0%"],
         ["(1.00,", "4.00)", "2.5", "m²", "3.50", "m", "25.0%"],
     ]
-    assert "it chose best arc: a place that sees the frontier arc of the highest value" in decided[4]
+    assert (
+        "it chose best arc: a place that sees the frontier arc of the highest value" in decided[4]
+    )
 
 
 def test_the_orders_of_the_master_are_explained(recording):

@@ -207,7 +207,7 @@ def first_view(robot: SrtRobot, place: NewPlace) -> NewPlace:
     NewPlace
         The first one from which at least the share `stop_share` is in sight of the largest unknown
         area that any place on the piece shows, and that is not near a node; or `place` itself, also
-        where the body does not fit in any heading all along the piece.
+        where none shows any, or the body does not fit in any heading all along the piece.
     """
     options, range_m = robot.options, robot.me.range_m
     if not place.roomy or options.stop_share == 1.0:
@@ -223,6 +223,8 @@ def first_view(robot: SrtRobot, place: NewPlace) -> NewPlace:
     spacing_m = options.completion_spacing * robot.planner.d_min_m
     stops = np.vstack([stops[:-1][nearest_points(nodes, stops[:-1]) >= spacing_m], stops[-1:]])
     areas = unknown_areas(stops, range_m, [node.region for node in around])
+    if not areas.max():
+        return place
     first = int(np.argmax(areas >= options.stop_share * areas.max()))
     x, y = stops[first].tolist()
     return replace(place, x=x, y=y)

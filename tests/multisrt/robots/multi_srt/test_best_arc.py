@@ -196,6 +196,11 @@ def test_it_goes_all_the_way_where_it_is_told_to_or_has_to(robot_at):
     assert first_view(robot_at(room(-4, 4, "r")), narrow) is narrow
 
 
+def test_it_goes_all_the_way_where_no_place_shows_anything(robot_at):
+    end = NewPlace(3.5, 0.0, "complete", (NodeId(0, 0),), roomy=True)
+    assert first_view(robot_at(room(-4, 4, "")), end) is end
+
+
 def test_it_stops_at_no_place_near_a_node(robot_at):
     # All but the end of the way is within half of the distance that places keep from nodes.
     robot = robot_at(room(-4, 4, "r"), d_min_m=8.0, stop_share=0.1)

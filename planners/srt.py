@@ -75,11 +75,14 @@ class Draws:
         Number of refused candidates by reason, those of stage 2 included.
     candidates : list of (x, y, reason)
         The refused candidates of both stages in order.
+    arcs : list of (x, y, area_m2, way_m, value)
+        With ``choice="gain"``: the arcs that were compared, the highest value first.
     """
 
     drawn: int = 0
     refused: dict[str, int] = field(default_factory=dict)
     candidates: list[tuple[float, float, str]] = field(default_factory=list)
+    arcs: list[tuple[float, float, float, float, float]] = field(default_factory=list)
 
     def refuse(self, x: float, y: float, reason: str) -> None:
         """Record a refused candidate."""

@@ -18,6 +18,23 @@ class SrtOptions(HomeOptions, frozen=True, kw_only=True, forbid_unknown_fields=T
 
     Attributes
     ----------
+    choice : {"random", "gain"}
+        How the next place is chosen: drawn at random towards the local frontier, as in the paper,
+        with the stages that follow; or a place that sees the frontier arc of the highest value,
+        the area that it would show over a power of the way there. Then `alpha`, `max_draws`,
+        `frontier_bias` and `approach` have no effect on a robot's own plans, and `complete` is
+        needed.
+    power : float
+        With ``choice="gain"``: power of the way in the value of an arc.
+    return_area_m2 : float
+        With ``choice="gain"``: area in square metres that stands for the way back to an arc that is
+        left behind; it is added to the area beyond each.
+    turn_m_per_rad : float
+        With ``choice="gain"``: way in metres that a radian of the first turn counts as.
+    stop_share : float
+        With ``choice="gain"``: on the last straight piece of its way the robot stops where this
+        share of the largest unknown area that any place on it shows is in sight; 1 to go all the
+        way.
     alpha : float
         Distance of a candidate as a share of the distance to the region's boundary (paper: alpha).
     max_draws : int
@@ -54,6 +71,11 @@ class SrtOptions(HomeOptions, frozen=True, kw_only=True, forbid_unknown_fields=T
         If a value is outside its range.
     """
 
+    choice: Literal["random", "gain"] = "random"
+    power: float = 4.0
+    return_area_m2: float = 5.0
+    turn_m_per_rad: float = 0.3
+    stop_share: float = 0.2
     alpha: float = 0.8
     max_draws: int = 10
     d_min_m: float | None = None
@@ -74,7 +96,16 @@ class SrtOptions(HomeOptions, frozen=True, kw_only=True, forbid_unknown_fields=T
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        if self.choice == "gain" and not self.complete:
+            raise InvalidInputError(
+                "choice is gain, but complete is false: arcs are looked at from the places of the "
+                "third stage; set complete to true, or choice to random"
+            )
         for name, ok, allowed in (
+            ("power", 0.0 < self.power < math.inf, "positive"),
+            ("return_area_m2", 0.0 <= self.return_area_m2 < math.inf, "0 or more"),
+            ("turn_m_per_rad", 0.0 <= self.turn_m_per_rad < math.inf, "0 or more"),
+            ("stop_share", 0.0 < self.stop_share <= 1.0, "above 0 and at most 1"),
             ("alpha", 0.0 < self.alpha <= 1.0, "above 0 and at most 1"),
             ("max_draws", self.max_draws >= 1, "at least 1"),
             ("d_min_m", self.d_min_m is None or 0.0 < self.d_min_m < math.inf, "positive"),

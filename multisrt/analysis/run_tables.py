@@ -167,7 +167,8 @@ def _columns(kinds: dict[str, type], rows: list[tuple[object, ...]]) -> Columns:
 
 
 def _row(event: AnyEvent) -> tuple[object, ...]:
-    fields = msgspec.structs.asdict(event)
+    every = msgspec.structs.asdict(event)
+    fields = {name: value for name, value in every.items() if value is not msgspec.UNSET}
     time_s, robot = fields.pop("time_s"), fields.pop("robot")
     place = fields.pop("configuration", (None, None, None))
     kind = type(event).__struct_config__.tag

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Final, Literal
 
+from msgspec import UNSET, UnsetType
+
 from multisrt.events.event import Event, NodeName, Point
 from multisrt.geometry.errors import InvalidInputError
 
@@ -11,6 +13,7 @@ Choice = Literal[
     "draw",
     "approach",
     "complete",
+    "gain",
     "parent",
     "nearest_open",
     "home",
@@ -44,7 +47,8 @@ class Decision(Event, frozen=True, kw_only=True, tag="decision"):
     frontier_m : float
         Length of the local frontier there.
     choice : str
-        `draw`, `approach`, `complete`: a new place, found by that stage; `parent`,
+        `draw`, `approach`, `complete`: a new place, found by that stage; `gain`: one that sees the
+        frontier arc of the highest value; `parent`,
         `nearest_open`, `home`: back to the parent node, to the nearest node with a frontier, to
         its root; `transfer`: to the tree of another robot, or back; `bypass`: round a robot that
         stands; `stay`: where it is, for now; `end`: where it is, finally.
@@ -61,6 +65,10 @@ class Decision(Event, frozen=True, kw_only=True, tag="decision"):
         The refused candidates, of both stages, in the order in which they were refused.
     gpr, ger : tuple of int
         The groups of pre-engaged and of engaged robots, including the robot itself.
+    arcs : tuple of (x, y, area_m2, way_m, value), optional
+        Only with ``choice="gain"``: the middles of the frontier arcs of the highest values, with
+        the unknown area in sight of each and the way there; the chosen one first. Left out of
+        recordings where there are none.
     """
 
     node: NodeName
@@ -72,6 +80,7 @@ class Decision(Event, frozen=True, kw_only=True, tag="decision"):
     candidates: tuple[tuple[float, float, str], ...] = ()
     gpr: tuple[int, ...] = ()
     ger: tuple[int, ...] = ()
+    arcs: tuple[tuple[float, float, float, float, float], ...] | UnsetType = UNSET
 
 
 DiagramEnd = Literal["no progress", "no command", "near the goal"]

@@ -6,6 +6,8 @@ import math
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
+from msgspec import UNSET
+
 from multisrt.events import (
     AnyEvent,
     Coordinated,
@@ -227,6 +229,7 @@ class _Story(ChoiceStory[Decision]):
             tried = Counter((place((x, y)), reason) for x, y, reason in chosen.candidates)
             for (where, reason), count in tried.items():
                 yield f"  {where}: {reason}" + (f", {count} times" if count > 1 else "")
+        yield from _arcs(chosen)
         name, meaning = CHOICES[chosen.choice]
         yield f"it chose {name}: {meaning}"
         if chosen.target is not None:
@@ -296,6 +299,18 @@ class _Story(ChoiceStory[Decision]):
 
     def _node(self, name: NodeName) -> str:
         return f"node {name[1]}" + ("" if name[0] == self.robot else f" of robot {name[0]}")
+
+
+def _arcs(chosen: Decision) -> Iterator[str]:
+    # The arcs that were compared by their values, as shares of the highest one.
+    if chosen.arcs is UNSET or not chosen.arcs:
+        return
+    highest = chosen.arcs[0][-1]
+    yield "frontier arcs by their value, the unknown area in sight for the way there:"
+    yield f"  {'middle':>18}  {'area':>8}  {'way':>8}  {'value':>7}"
+    for x, y, area_m2, way_m, value in chosen.arcs:
+        share = value / highest if highest else 0.0
+        yield f"  {place((x, y)):>18}  {area_m2:>5.1f} m²  {way_m:>6.2f} m  {share:>7.1%}"
 
 
 def _last_choice(

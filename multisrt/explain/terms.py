@@ -47,6 +47,9 @@ CHOICES: Final[dict[str, Term]] = {
     "draw": STAGES["draw"],
     "approach": STAGES["approach"],
     "complete": STAGES["complete"],
+    "gain": Term(
+        "best arc", "a place that sees the frontier arc of the highest value: most area for its way"
+    ),
     "parent": Term("parent", "back to the parent node, as nothing is left to do here"),
     "nearest_open": Term("nearest open node", "the nearest node that has a frontier left"),
     "home": Term("home", "back to the root, as no frontier is left that the robot can open"),

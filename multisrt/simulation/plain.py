@@ -289,7 +289,8 @@ def _unwritable(value: Any, place: str, *, arrays: bool = False) -> Iterator[tup
     parts: Iterator[tuple[str, Any]] = iter(())
     match value:
         case msgspec.Struct():
-            fields = value.__struct_fields__
+            # Fields without a value are not written.
+            fields = [f for f in value.__struct_fields__ if getattr(value, f) is not msgspec.UNSET]
             parts = ((f"{place}.{field}", getattr(value, field)) for field in fields)
         case list() | tuple():
             parts = ((f"{place}[{k}]", part) for k, part in enumerate(value))

@@ -27,6 +27,8 @@ from __future__ import annotations
 from collections.abc import Generator
 from typing import cast
 
+from msgspec import UNSET
+
 from multisrt.events import Decision
 from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.geometry.regions.frontier_arcs import total_length
@@ -41,7 +43,7 @@ from multisrt.robots.multi_srt.progress import BoxedIn, Event, State
 from multisrt.robots.multi_srt.robot import SrtRobot
 from multisrt.robots.multi_srt.targets import NewPlace, Step
 
-EXPLORING = ("draw", "approach", "complete", "nearest_open", "bypass")
+EXPLORING = ("draw", "approach", "complete", "gain", "nearest_open", "bypass")
 """Choices of targets at which there is something to see, or on the way to such targets."""
 
 
@@ -213,6 +215,7 @@ def _decision(
         draws=draws.drawn,
         refused=draws.refused,
         candidates=tuple(draws.candidates),
+        arcs=tuple(draws.arcs) if draws.arcs else UNSET,
         gpr=groups[0],
         ger=groups[1],
     )

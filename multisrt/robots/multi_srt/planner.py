@@ -2,7 +2,8 @@
 
 Source: Multi-SRT, paper section 2, "Planner"; differs in: the paper has the first stage, *draw*,
 and the return to the parent. The stages *approach* and *complete* are needed for an exploration
-to finish; the recording says which of them found a target.
+to finish; the recording says which of them found a target. With ``choice="gain"`` all this gives
+way to the choice of an arc by its value, see `best_arc`.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.planners.srt import Draws
 from multisrt.robots.explorer import Action, Outcome, Sighting
 from multisrt.robots.knowledge import NodeId
+from multisrt.robots.multi_srt.best_arc import best_arc
 from multisrt.robots.multi_srt.robot import SrtRobot
 from multisrt.robots.multi_srt.targets import Barred, KnownNode, NewPlace, Target
 
@@ -68,6 +70,11 @@ class Planner:
         here = robot.at.node
         if robot.homing is not None:
             robot.homing.has_left_out = False
+        if robot.options.choice == "gain":
+            best = yield from best_arc(robot, self._may_go_to, draws)
+            if best is None:
+                return (yield from self._complete(here))
+            return ("bypass" if best[0] else "gain"), best[1]
         found = self._draw_or_approach(here, frontier, draws)
         if found is not None:
             return found

@@ -52,6 +52,7 @@ class Views:
         self._max_views = max_views
         self._looked: Counter[tuple[int, int]] = Counter()
         self._last_choice: tuple[tuple[int, int], NodeId] | None = None
+        self._last_counted: tuple[int, int] | None = None
 
     def viewing_place(self, node: NodeId, arc: FloatArray) -> NewPlace | Barred | ClosingReason:
         """Return a place from which an arc can be seen, or what bars it, or why there is none.
@@ -85,13 +86,23 @@ class Views:
         again = self._last_choice == (spot, here)
         self._last_choice = spot, here
         if route is not None and routes.obstacles.are_passed_by(last)[0]:
-            self._looked[spot] += not again
+            self._count(spot, not again)
             return NewPlace(place.x, place.y, "complete", tuple(route), place.roomy, node)
         target = self._bypass.to_place(place.x, place.y, node)
         if target is None:
             return self._barred("not reachable", found)
-        self._looked[spot] += not target.is_interim and not again
+        self._count(spot, not target.is_interim and not again)
         return target
+
+    def forget_look(self) -> None:
+        """Do not count the last place as a look: the robot stops before it, or does not go."""
+        if self._last_counted is not None:
+            self._looked[self._last_counted] -= 1
+            self._last_counted = None
+
+    def _count(self, spot: tuple[int, int], counts: bool) -> None:
+        self._looked[spot] += counts
+        self._last_counted = spot if counts else None
 
     def _view(
         self, arc: FloatArray, x: float, y: float, *, past_bodies: bool = False

@@ -200,6 +200,29 @@ def test_knowledge_and_decision_are_explained(recording):
     assert "target (7.00, 6.00), 2.83 m away" in decided
 
 
+def test_arcs_are_listed_by_their_values():
+    decision = Decision(
+        time_s=0.0,
+        robot=0,
+        node=(0, 0),
+        frontier_m=3.5,
+        choice="gain",
+        target=(4.0, 1.0),
+        arcs=((5.0, 1.0, 25.04, 4.0, 0.08), (1.0, 4.0, 2.5, 3.5, 0.02)),
+    )
+    told = node(0.0, 0, 0, None, STARTS[0][:2], "root"), decision
+    story = recorder_of(told, "srt-radial", choice="gain").finish(1.0, "stalled", "")
+    decided = part(explain(story, 0, 0.0), "What it decided").splitlines()
+    assert [line.split() for line in decided[1:4]] == [
+        ["middle", "area", "way", "value"],
+        ["(5.00,", "1.00)", "25.0", "m²", "4.00", "m", "100.0%"],
+        ["(1.00,", "4.00)", "2.5", "m²", "3.50", "m", "25.0%"],
+    ]
+    assert (
+        "it chose best arc: a place that sees the frontier arc of the highest value" in decided[4]
+    )
+
+
 def test_the_orders_of_the_master_are_explained(recording):
     group = part(explain(recording, 2, 8.0), "Its group")
     assert "pre-engaged (GPR): 0, 1, 2" in group

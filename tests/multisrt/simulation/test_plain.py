@@ -4,6 +4,7 @@
 # mypy: disable-error-code="arg-type, dict-item"
 
 import math
+import struct
 from typing import Any, ClassVar
 
 import msgspec
@@ -172,7 +173,8 @@ f, i, b = np.float32, np.int64, np.bool_
     [
         Decision(time_s=f(1), robot=i(0), node=(i(0), i(1)), frontier_m=f(2), choice="draw",
                  target=np.array([1.0, 2.0]), draws=i(3), refused={"no room": i(2)},
-                 candidates=((f(1), f(2), "no room"),), gpr=np.array([0, 1]), ger=(i(0),)),
+                 candidates=((f(1), f(2), "no room"),), gpr=np.array([0, 1]), ger=(i(0),),
+                 arcs=np.ones((1, 5))),
         GoalChosen(time_s=f(1), robot=i(0), rule="minpos", because="start", goal=(f(1), f(2)),
                    cost_m=f(3), frontiers=np.ones((2, 2)), robots=np.arange(2),
                    costs=((f(1), None),), ranks=((i(1), None),), rounds=((i(0), i(1), f(2), f(1)),),
@@ -196,6 +198,14 @@ def test_events_take_numbers_of_numpy(act, event):
     # Every field holds what it was given.
     plain = msgspec.convert(_builtins(event), AnyEvent)
     assert recorded == plain
+
+
+def test_fields_without_a_value_pass_where_a_number_looks_infinite(act):
+    # Its bytes are looked at again, as four of them are those with which an infinite one begins.
+    (x,) = struct.unpack(">d", b"\x40\xcb\x7f\xf1\0\0\0\0")
+    event = Decision(time_s=1.0, robot=0, node=(0, 1), frontier_m=2.0, choice="draw", target=(x, x))
+    assert event.arcs is msgspec.UNSET
+    assert noted(act, event) == event
 
 
 def _builtins(value: Any) -> Any:

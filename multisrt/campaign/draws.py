@@ -32,6 +32,10 @@ MAX_ATTEMPTS: Final = 200
 WORK_S: Final = 900.0
 """Upper bound of the time limit of a run times its number of robots, in seconds, mostly."""
 
+MAX_PLANNED_M2: Final = 250.0
+"""Bound of robots times area in square metres for strategies that plan on the true map, which takes
+longer than all else."""
+
 HOMES: Final = ("never", "in-time", "worth", "relays", "chain")
 
 STARTS: Final[dict[PlacedHow, float]] = {
@@ -162,6 +166,8 @@ def candidate(seed: int, number: int, attempt: int) -> RunSpec:
     where = _pool_world(seed, chance.whole(0, POOL - 1))
     environment = world_of(where)
     robots = draw_robots(chance, environment)
+    if strategy(name).sees_truth and len(robots) * environment.area_m2 > MAX_PLANNED_M2:
+        raise InvalidInputError("a plan for so many robots in such a world takes too long")
     radio = draw_radio(chance, robots)
     base = draw_base(chance, environment)
     limit_s = chance.magnitude(20.0, 700.0 if chance.happens(0.9) else 3000.0)

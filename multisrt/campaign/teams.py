@@ -8,6 +8,7 @@ from typing import Final, Literal
 import shapely
 
 from multisrt.campaign.chance import Chance
+from multisrt.campaign.lasers import MAX_BEAMS, SPACINGS_M, are_found
 from multisrt.environments.environment import Environment
 from multisrt.spec import (
     MIN_BEAMS,
@@ -62,16 +63,18 @@ def draw_robots(chance: Chance, environment: Environment) -> tuple[RobotSpec, ..
     kinds = {"alike": 1, "two": 2, "mixed": team}[
         chance.weighted({"alike": 0.5, "two": 0.2, "mixed": 0.3})
     ]
-    made = [_robot(chance) for _ in range(kinds)]
+    made = [_robot(chance, environment) for _ in range(kinds)]
     robots = [made[i % kinds] for i in range(team)]
     if chance.happens(0.12):
         robots = [_started(robot, chance, environment) for robot in robots]
     return tuple(robots)
 
 
-def _robot(chance: Chance) -> RobotSpec:
+def _robot(chance: Chance, environment: Environment) -> RobotSpec:
     return RobotSpec(
-        footprint=_footprint(chance), drive=_drive(chance), range_finder=_range_finder(chance)
+        footprint=_footprint(chance),
+        drive=_drive(chance),
+        range_finder=_range_finder(chance, environment),
     )
 
 
@@ -120,12 +123,14 @@ def _drive(chance: Chance) -> DriveSpec:
     return DriveSpec(kind="dubins", speed_m_s=speed_m_s, turning_radius_m=radius_m)
 
 
-def _range_finder(chance: Chance) -> RangeFinderSpec:
+def _range_finder(chance: Chance, environment: Environment) -> RangeFinderSpec:
     range_m = chance.magnitude(0.8, 8.0)
-    if chance.happens(0.6):
-        return RangeFinderSpec(range_m=range_m)
-    beams = round(chance.magnitude(MIN_BEAMS, 400.0))
-    return RangeFinderSpec(range_m=range_m, beams=max(beams, MIN_BEAMS))
+    spacing_m = chance.one_of(SPACINGS_M)
+    if chance.happens(0.5) and are_found(environment, spacing_m):
+        beams = max(MIN_BEAMS, math.ceil(math.tau * range_m / spacing_m))
+        if beams <= MAX_BEAMS:
+            return RangeFinderSpec(range_m=range_m, beams=beams)
+    return RangeFinderSpec(range_m=range_m)
 
 
 def draw_radio(chance: Chance, robots: tuple[RobotSpec, ...]) -> RadioSpec:

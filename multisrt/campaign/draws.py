@@ -32,9 +32,9 @@ MAX_ATTEMPTS: Final = 200
 WORK_S: Final = 900.0
 """Upper bound of the time limit of a run times its number of robots, in seconds, mostly."""
 
-MAX_PLANNED_M2: Final = 250.0
-"""Bound of robots times area in square metres for strategies that plan on the true map, which takes
-longer than all else."""
+MAX_PLANNED_VIEWS: Final = 60.0
+"""Bound of robots times area, in squares of the shortest range, for strategies that plan on the
+true map: their plans take longer than all else."""
 
 HOMES: Final = ("never", "in-time", "worth", "relays", "chain")
 
@@ -166,7 +166,9 @@ def candidate(seed: int, number: int, attempt: int) -> RunSpec:
     where = _pool_world(seed, chance.whole(0, POOL - 1))
     environment = world_of(where)
     robots = draw_robots(chance, environment)
-    if strategy(name).sees_truth and len(robots) * environment.area_m2 > MAX_PLANNED_M2:
+    shortest_m = min(robot.range_finder.range_m for robot in robots)
+    views = len(robots) * environment.area_m2 / shortest_m**2
+    if strategy(name).sees_truth and views > MAX_PLANNED_VIEWS:
         raise InvalidInputError("a plan for so many robots in such a world takes too long")
     radio = draw_radio(chance, robots)
     base = draw_base(chance, environment)
@@ -193,7 +195,7 @@ def candidate(seed: int, number: int, attempt: int) -> RunSpec:
 
 def _tasks(chance: Chance, team: int, radio: RadioSpec, base: BaseSpec | None) -> dict[str, Scalar]:
     """Return options that say what robots are to do, which would be drawn too seldom otherwise."""
-    tasks: dict[str, Scalar] = {"effort": chance.number(0.0, 0.05)}
+    tasks: dict[str, Scalar] = {"effort": chance.magnitude(1e-4, 5e-3)}
     if base is not None and chance.happens(0.7):
         tasks["home"] = chance.one_of(HOMES)
     if team > 1 and not radio.reaches_everywhere and chance.happens(0.25):

@@ -31,6 +31,9 @@ Item = TypeVar("Item")
 HALLS_M: Final = (5.0, 8.0, 12.0, 16.0)
 """Widths of the empty halls that are tried in place of a world, in metres."""
 
+MIN_PARAMETER: Final = 0.5
+"""Smallest value of a parameter of a world that is tried in place of a larger one."""
+
 MIN_TIME_S: Final = 1.0
 """Shortest time limit that is tried, in seconds."""
 
@@ -160,7 +163,7 @@ def _simpler_parameters(world: CatalogEnvironment) -> Iterator[CatalogEnvironmen
             continue
         for smaller in (value / 2, 0.8 * value):
             shown: Scalar = int(smaller) if isinstance(value, int) else float(f"{smaller:.2g}")
-            if shown != value:
+            if shown != value and smaller >= MIN_PARAMETER:
                 yield replace(world, parameters=world.parameters | {name: shown})
     for name in world.parameters:
         left = {other: value for other, value in world.parameters.items() if other != name}
@@ -227,25 +230,31 @@ def _robots(spec: RunSpec) -> Iterator[Change]:
     first = spec.robots[0]
     yield _with(spec, robots=(usual,) * len(spec.robots))
     yield _with(spec, robots=(first,) * len(spec.robots))
-    simple: dict[str, list[Any]] = {
-        "start": [None],
-        "footprint": [usual.footprint],
-        "drive": [usual.drive, DriveSpec(kind="holonomic")],
-        "range_finder": [usual.range_finder, RangeFinderSpec(range_m=2.0)],
-    }
-    for name, values in simple.items():
+    for name, values in _PLAIN.items():
         for value in values:
-            yield _with(spec, robots=tuple(_changed(r, name, value) for r in spec.robots))
+            yield _with(spec, robots=tuple(_plainer(r, name, value) for r in spec.robots))
     for number, robot in enumerate(spec.robots):
-        for name, values in simple.items():
+        for name, values in _PLAIN.items():
             for value in values:
-                if getattr(robot, name) not in values:
-                    robots = list(spec.robots)
-                    robots[number] = _changed(robot, name, value)
-                    yield _with(spec, robots=tuple(robots))
+                robots = list(spec.robots)
+                robots[number] = _plainer(robot, name, value)
+                yield _with(spec, robots=tuple(robots))
 
 
-def _changed(robot: RobotSpec, name: str, value: Any) -> RobotSpec:
+_PLAIN: Final[dict[str, tuple[Any, ...]]] = {
+    "start": (None,),
+    "footprint": (RobotSpec().footprint,),
+    "drive": (DriveSpec(), DriveSpec(kind="holonomic")),
+    "range_finder": (RangeFinderSpec(), RangeFinderSpec(range_m=2.0)),
+}
+"""Values of the fields of a robot, the plainest first."""
+
+
+def _plainer(robot: RobotSpec, name: str, value: Any) -> RobotSpec:
+    """Return a robot with another value of a field, unless that it has is as plain."""
+    now, plain = getattr(robot, name), _PLAIN[name]
+    if now in plain and plain.index(now) <= plain.index(value):
+        return robot
     return msgspec.structs.replace(robot, **{name: value})
 
 

@@ -31,6 +31,7 @@ Examples:
   multisrt campaign run --missions 1000
   multisrt campaign run --for 2h --workers 2 --seed 7 --store night.sqlite
   multisrt campaign show night.sqlite
+  multisrt campaign invariants
   multisrt campaign replay night-failures/000123-no-collision
 """
 
@@ -258,6 +259,23 @@ def show(store: Path, number: int | None) -> None:
         click.echo(line)
     if len(failures) > MAX_FAILURES:
         click.echo(f"... and {len(failures) - MAX_FAILURES} more")
+
+
+@campaign.command()
+def invariants() -> None:
+    """List what is judged of every mission.
+
+    \b
+    Examples:
+      multisrt campaign invariants
+    """
+    from multisrt.campaign.listing import demands
+    from multisrt.cli.tables import show, table
+
+    made = table("invariant", "what it demands")
+    for name, text in demands().items():
+        made.add_row(name, text)
+    show(made)
 
 
 @campaign.command()

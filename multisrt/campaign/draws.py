@@ -176,7 +176,7 @@ def candidate(seed: int, number: int, attempt: int) -> RunSpec:
     max_time_s = max(10.0, round(min(limit_s, WORK_S / len(robots)), 1))
     if chance.happens(0.05):
         max_time_s = limit_s
-    return RunSpec(
+    spec = RunSpec(
         environment=where,
         strategy=name,
         options=draw_options(strategy(name), chance, _tasks(chance, len(robots), radio, base)),
@@ -191,6 +191,7 @@ def candidate(seed: int, number: int, attempt: int) -> RunSpec:
         ),
         seed=chance.whole(0, 2**31 - 1),
     )
+    return spec.canonical()
 
 
 def _tasks(chance: Chance, team: int, radio: RadioSpec, base: BaseSpec | None) -> dict[str, Scalar]:

@@ -86,7 +86,7 @@ def write_failure(folder: Path, failure: Failure, spec: RunSpec, drawn: RunSpec)
         If a file cannot be written.
     """
     made = msgspec.toml.encode(failure).decode()
-    files = {FAILURE_NAME: made, SPEC_NAME: spec.to_toml(), DRAWN_NAME: drawn.to_toml()}
+    files = {FAILURE_NAME: made, SPEC_NAME: spec.canonical().to_toml(), DRAWN_NAME: drawn.to_toml()}
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:

@@ -8,7 +8,6 @@ from typing import Final
 
 import msgspec
 
-from multisrt.campaign.draws import candidate
 from multisrt.campaign.failure import Failure, folder_name, write_failure
 from multisrt.campaign.jobs import Judge, Make
 from multisrt.campaign.mission import Verdict
@@ -43,8 +42,8 @@ class Mission(msgspec.Struct, frozen=True, kw_only=True):
     ----------
     number : int
         Its number.
-    spec : RunSpec
-        The run.
+    spec : RunSpec or None
+        The run; None if its process was lost before the run was drawn.
     refused : int
         Number of draws before it that the program refused as impossible.
     verdict : Verdict
@@ -52,12 +51,13 @@ class Mission(msgspec.Struct, frozen=True, kw_only=True):
     repeated : bool
         Whether it was repeated in another process.
     folders : tuple of str
-        Folders of its failures, one for each violated invariant.
+        Folders of its failures, one for each violated invariant; empty texts where there is no
+        run.
     """
 
     number: int
-    spec: RunSpec
-    refused: int
+    spec: RunSpec | None = None
+    refused: int = 0
     verdict: Verdict
     repeated: bool = False
     folders: tuple[str, ...] = ()
@@ -114,10 +114,9 @@ class Lane:
             If `stop` is called meanwhile.
         """
         verdict, tried = self._process.ask(Make(seed=self._seed, number=number))
-        if tried is None:
-            spec, refused = candidate(self._seed, number, 0), 0
-        else:
-            spec, refused = tried.spec, tried.refused
+        if tried is None:  # lost before anything was set up, as in building a world
+            return Mission(number=number, verdict=verdict, folders=("",) * len(verdict.violations))
+        spec = tried.spec
         repeated = bool(verdict.violations) or number % REPEATED_EVERY == 0
         if repeated:
             verdict = compared(spec, verdict, self._other)
@@ -125,7 +124,7 @@ class Lane:
         return Mission(
             number=number,
             spec=spec,
-            refused=refused,
+            refused=tried.refused,
             verdict=verdict,
             repeated=repeated,
             folders=tuple(map(str, folders)),

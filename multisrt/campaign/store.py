@@ -34,6 +34,9 @@ APPLICATION: Final = 0x4D534343
 FORMAT: Final = 1
 """Version of the tables, stored as the `user_version` of the file."""
 
+NOT_DRAWN: Final = "(not drawn)"
+"""The strategy of a mission that was lost before its run was drawn."""
+
 _TABLES: Final = """
 CREATE TABLE meta (name TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
 CREATE TABLE missions (
@@ -106,12 +109,12 @@ class Row(msgspec.Struct, frozen=True, kw_only=True):
 
 def row_of(mission: Mission) -> Row:
     """Return what is stored of a mission."""
-    verdict = mission.verdict
+    verdict, spec = mission.verdict, mission.spec
     return Row(
         number=mission.number,
-        strategy=mission.spec.strategy,
-        world=getattr(mission.spec.environment, "name", ""),
-        robots=len(mission.spec.robots),
+        strategy=NOT_DRAWN if spec is None else spec.strategy,
+        world="" if spec is None else getattr(spec.environment, "name", ""),
+        robots=0 if spec is None else len(spec.robots),
         refused=mission.refused,
         repeated=mission.repeated,
         folders=mission.folders,

@@ -179,8 +179,8 @@ def _failures(mission: Mission) -> Iterable[str]:
 
 
 def _line(number: int, invariant: str, says: str, folder: str) -> str:
-    command = f"multisrt campaign replay {shlex.quote(folder)}"
-    return f"mission {number}: {invariant}: {says}; {command}"
+    command = f"; multisrt campaign replay {shlex.quote(folder)}" if folder else ""
+    return f"mission {number}: {invariant}: {says}{command}"
 
 
 def _show_table(rows: Iterable[Row]) -> int:

@@ -13,6 +13,7 @@ from multisrt.campaign.draws import candidate, draw, drawn
 from multisrt.campaign.lasers import finds_all
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.robots.registry import strategies
+from multisrt.simulation.setting_up import set_up
 from multisrt.spec import Death, LateStart, RunSpec, Silence
 
 SEED = 11
@@ -94,14 +95,13 @@ def test_lasers_are_such_that_no_obstacle_is_missed(candidates):
 
 def test_a_refused_draw_is_drawn_again(monkeypatch):
     first = drawn(SEED, 0)
-    real = draws.set_up
-    refused = []
+    refused: list[RunSpec] = []
 
     def once(spec, environment):
         if not refused:
             refused.append(spec)
             raise InvalidInputError("impossible")
-        return real(spec, environment)
+        return set_up(spec, environment)
 
     monkeypatch.setattr(draws, "set_up", once)
     again = drawn(SEED, 0)

@@ -7,10 +7,11 @@ from multisrt.campaign import lane as lane_module
 from multisrt.campaign import mission_process
 from multisrt.campaign.draws import draw
 from multisrt.campaign.failure import read_failure
-from multisrt.campaign.jobs import Judge
+from multisrt.campaign.jobs import Judge, Make, Trying
 from multisrt.campaign.lane import EQUAL_DIGEST, Lane, compared, replayed
 from multisrt.campaign.mission import Verdict, judge
 from multisrt.campaign.mission_process import MissionProcess, StoppedError, Told
+from multisrt.campaign.store import NOT_DRAWN, row_of
 from multisrt.campaign.violations import Violation
 from multisrt.recording import Recording
 from multisrt.spec import CatalogEnvironment, RobotSpec, RunSpec, StopRule
@@ -19,19 +20,22 @@ HALL = CatalogEnvironment(name="open", parameters={"size_m": 6.0})
 SPEC = RunSpec(environment=HALL, strategy="closest", stop=StopRule(max_time_s=30.0))
 
 
-class FakeProcess:
+class FakeProcess(MissionProcess):
     """Judges runs in this process, by an invariant that wants at most one robot."""
 
-    digests = "first"
+    drawn = msgspec.structs.replace(SPEC, robots=(RobotSpec(footprint="disc:0.2"),) * 4, seed=8)
+    tried = Trying(spec=drawn, refused=2)
 
     def __init__(self, hash_seed):
-        self.digest = f"{self.digests}-{hash_seed}" if self.digests == "differ" else "same"
+        """Begin."""
 
     def ask(self, job, limit_s=0.0):
         """Judge a run."""
+        if isinstance(job, Make):
+            return Told(self.ask(Judge(spec=self.drawn)).verdict, self.tried)
         broke = Violation(invariant="planted", says=f"{len(job.spec.robots)} robots")
-        fails = len(job.spec.robots) > 1 and self.digests != "differ"
-        verdict = Verdict(outcome="complete", violations=(broke,) * fails, digest=self.digest)
+        fails = len(job.spec.robots) > 1
+        verdict = Verdict(outcome="complete", violations=(broke,) * fails, digest="same")
         return Told(verdict, None)
 
     def close(self):
@@ -57,7 +61,7 @@ def test_a_lane_makes_the_missions_that_are_drawn(tmp_path):
         bool(missions[0].verdict.violations),
         True,
     ]
-    assert missions[0].verdict.digest == judge(missions[0].spec).digest
+    assert missions[0].verdict.digest == judge(draw(3, 1)).digest
 
 
 @pytest.mark.slow
@@ -90,23 +94,29 @@ def test_a_stopped_process_makes_nothing_more():
         process.ask(Judge(spec=SPEC))
 
 
-def test_a_failure_is_shrunk_and_left_in_its_folder(tmp_path, fake, monkeypatch):
-    drawn = msgspec.structs.replace(SPEC, robots=(RobotSpec(footprint="disc:0.2"),) * 4, seed=8)
-    monkeypatch.setattr(lane_module, "candidate", lambda seed, number, attempt: drawn)
-    monkeypatch.setattr(lane_module, "Make", lambda seed, number: Judge(spec=drawn))
+def test_a_failure_is_shrunk_and_left_in_its_folder(tmp_path, fake):
     mission = Lane(3, tmp_path, lambda invariant, strategy: True).make(17)
     assert mission.folders == (str(tmp_path / "000017-planted"),)
+    assert (mission.spec, mission.refused) == (fake.drawn, 2)
     failure, spec = read_failure(tmp_path / "000017-planted")
     assert (failure.says, failure.number, failure.digest) == ("2 robots", 17, "same")
     assert failure.tries > 3
     assert spec.robots == (RobotSpec(),) * 2
     as_drawn = Lane(3, tmp_path / "more", lambda invariant, strategy: False).make(17)
     failure, spec = read_failure(tmp_path / "more" / "000017-planted")
-    assert (failure.says, failure.tries, spec) == ("4 robots", 0, drawn)
+    assert (failure.says, failure.tries, spec) == ("4 robots", 0, fake.drawn)
     assert as_drawn.verdict == mission.verdict
 
 
-def test_another_digest_in_another_process_is_a_violation(fake, monkeypatch):
+def test_a_mission_that_is_lost_before_it_is_drawn_is_told(tmp_path, fake, monkeypatch):
+    monkeypatch.setattr(fake, "tried", None)
+    mission = Lane(3, tmp_path, lambda invariant, strategy: True).make(17)
+    assert (mission.spec, mission.folders) == (None, ("",))
+    assert row_of(mission).strategy == NOT_DRAWN
+    assert not list(tmp_path.iterdir())
+
+
+def test_another_digest_in_another_process_is_a_violation(fake):
     verdict = judge(SPEC)
     same = msgspec.structs.replace(verdict, digest="same")
     assert compared(SPEC, same, FakeProcess(2)) == same

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import msgspec
 import pytest
@@ -35,7 +35,7 @@ class Options(msgspec.Struct, frozen=True, kw_only=True):
             raise InvalidInputError("what is far is slow")
 
 
-def _unused(me: object, options: object) -> object:
+def _unused(me: object, options: object) -> Any:
     raise AssertionError
 
 
@@ -46,7 +46,7 @@ def draws() -> list[dict[str, bool | int | float | str]]:
     return [draw_options(made, Chance(1, number)) for number in range(DRAWS)]
 
 
-def _values(draws: list[dict[str, bool | int | float | str]], name: str) -> Iterator[object]:
+def _values(draws: list[dict[str, bool | int | float | str]], name: str) -> Iterator[Any]:
     return (options[name] for options in draws if name in options)
 
 
@@ -66,7 +66,7 @@ def test_declared_bounds_and_checks_hold(draws):
 
 
 def test_options_that_are_given_are_kept_if_there_are_any():
-    given = {"home": "worth", "pursue": True, "effort": 0.1}
+    given: dict[str, bool | float | str] = {"home": "worth", "pursue": True, "effort": 0.1}
     assert draw_options(strategy("minpos"), Chance(4), given).items() >= {
         ("home", "worth"),
         ("pursue", True),

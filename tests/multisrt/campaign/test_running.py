@@ -9,7 +9,7 @@ import pytest
 from multisrt.campaign import running
 from multisrt.campaign.mission import Verdict
 from multisrt.campaign.mission_process import StoppedError
-from multisrt.campaign.running import run_campaign
+from multisrt.campaign.running import Progress, run_campaign
 from multisrt.campaign.store import CampaignStore
 from multisrt.campaign.summary import summary
 from multisrt.campaign.violations import Violation
@@ -69,7 +69,7 @@ def test_a_campaign_goes_on_where_it_ended(path):
 
 
 def test_progress_is_told_after_every_mission(path):
-    told = []
+    told: list[Progress] = []
     with CampaignStore.create_or_open(path) as store:
         run_campaign(store, missions=2)
         run_campaign(store, missions=5, progress=told.append)
@@ -77,6 +77,7 @@ def test_progress_is_told_after_every_mission(path):
     assert [now.made for now in told] == [0, 1, 2, 3]
     assert [now.failed for now in told] == [0, 0, 1, 1]
     assert told[0].latest is None
+    assert told[2].latest is not None
     assert told[2].latest.number == 3
 
 

@@ -93,6 +93,7 @@ def test_a_mission_as_drawn_is_shrunk(monkeypatch):
     assert len(shrunk.robots) == 1
     assert shrunk.robots[0].drive.is_car
     assert (shrunk.faults, shrunk.options, shrunk.base) == ((), {}, None)
+    assert isinstance(shrunk.environment, CatalogEnvironment)
     assert shrunk.environment.name == "open"
 
 

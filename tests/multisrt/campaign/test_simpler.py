@@ -1,5 +1,7 @@
 """Specs that are simpler than one."""
 
+from typing import Any
+
 import shapely
 from hypothesis import given
 from hypothesis import strategies as st
@@ -52,23 +54,23 @@ def test_a_shorter_run_has_no_faults_after_its_end():
 
 
 def test_a_world_becomes_a_hall_or_smaller():
-    worlds = [s.environment for s in simplifications(RunSpec(environment=MAZE))]
+    worlds: list[Any] = [s.environment for s in simplifications(RunSpec(environment=MAZE))]
     assert CatalogEnvironment(name="open", parameters={"size_m": 5.0}) in worlds
     assert any(world.name == "maze" and world.parameters.get("cells") == 2 for world in worlds)
     assert any(world.name == "maze" and world.seed is None for world in worlds)
 
 
 def test_holes_of_a_shape_are_left_out_one_by_one():
-    hall = shapely.box(0, 0, 9, 9)
+    hall: Any = shapely.box(0, 0, 9, 9)
     for x in (1, 4, 7):
         hall = hall.difference(shapely.box(x, 3, x + 1, 5))
     spec = RunSpec(environment=InlineEnvironment(name="hall", wkt=hall.wkt))
-    holes = {
-        len(shapely.from_wkt(simpler.environment.wkt).interiors)
+    shapes: list[Any] = [
+        shapely.from_wkt(simpler.environment.wkt)
         for simpler in simplifications(spec)
         if isinstance(simpler.environment, InlineEnvironment)
-    }
-    assert holes == {0, 1, 2, 3} or holes == {0, 1, 2}
+    ]
+    assert {len(shape.interiors) for shape in shapes} >= {0, 1, 2}
 
 
 def test_without_a_base_no_news_are_brought_home():

@@ -142,7 +142,12 @@ def test_a_failure_is_replayed(call, folder, monkeypatch, now, code, said):
     failure = Failure(says="it broke", invariant="planted", seed=1, number=2)
     write_failure(folder / "failure", failure, spec, spec)
     asked = []
-    monkeypatch.setattr(lane, "replayed", lambda *given: asked.append(given) or now)
+
+    def replayed(*given):
+        asked.append(given)
+        return now
+
+    monkeypatch.setattr(lane, "replayed", replayed)
     found, out, _ = call("replay", "failure")
     assert found == code
     assert out.splitlines() == ["failed with: planted: it broke", said]

@@ -29,7 +29,7 @@ STREAM: Final = 1
 MAX_ATTEMPTS: Final = 200
 """Draws of one mission after which the grammar is taken to be wrong."""
 
-WORK_S: Final = 900.0
+WORK_S: Final = 1500.0
 """Upper bound of the time limit of a run times its number of robots, in seconds, mostly."""
 
 MAX_PLANNED_VIEWS: Final = 60.0
@@ -172,7 +172,7 @@ def candidate(seed: int, number: int, attempt: int) -> RunSpec:
         raise InvalidInputError("a plan for so many robots in such a world takes too long")
     radio = draw_radio(chance, robots)
     base = draw_base(chance, environment)
-    limit_s = chance.magnitude(20.0, 700.0 if chance.happens(0.9) else 3000.0)
+    limit_s = chance.magnitude(25.0, 1200.0 if chance.happens(0.9) else 3000.0)
     max_time_s = max(10.0, round(min(limit_s, WORK_S / len(robots)), 1))
     if chance.happens(0.05):
         max_time_s = limit_s

@@ -58,7 +58,7 @@ class Duration(click.ParamType[float]):
 
 @click.group(cls=CommandGroup, epilog=EXAMPLES)
 def campaign() -> None:
-    """Try to break the program: runs drawn over all there is, judged by invariants.
+    """Try to break the program, by runs of all kinds.
 
     Each mission is a run drawn from a seed: its world, team, radio, faults, strategy and options.
     Of each it is judged whether what must hold in every run holds.

@@ -227,7 +227,7 @@ def _show_table(rows: Iterable[Row]) -> int:
     help="Print the spec of mission K instead, as TOML.",
 )
 def show(store: Path, number: int | None) -> None:
-    """Print what the missions of a campaign came to, or the spec of one.
+    """Print the results of a campaign, or the spec of a mission.
 
     \b
     Examples:

@@ -47,8 +47,8 @@ STARTS: Final[dict[PlacedHow, float]] = {
 """How teams are placed, with weights."""
 
 
-Trying = Callable[[RunSpec, int], None]
-"""Is told a draw that is set up next, and the number of draws before it."""
+Trying = Callable[[RunSpec | None, int], None]
+"""Is told a run that is set up next, None if it is drawn next, and the number of draws before."""
 
 
 class Drawn(NamedTuple):
@@ -103,8 +103,8 @@ def drawn(seed: int, number: int, trying: Trying | None = None) -> Drawn:
     seed, number : int
         As for `draw`.
     trying : callable, optional
-        Called with every draw and the number of those before, right before it is set up: so it is
-        known which one takes a process down.
+        Called before every draw, and again with the run before it is set up: so it is known what
+        takes a process down.
 
     Returns
     -------
@@ -117,6 +117,8 @@ def drawn(seed: int, number: int, trying: Trying | None = None) -> Drawn:
         If no draw of many is possible.
     """
     for refused in range(MAX_ATTEMPTS):
+        if trying is not None:
+            trying(None, refused)
         try:
             spec = candidate(seed, number, refused)
             environment = world_of(spec.environment)

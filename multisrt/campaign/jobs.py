@@ -40,17 +40,17 @@ Job = Make | Judge
 
 
 class Trying(msgspec.Struct, frozen=True, kw_only=True, tag="trying"):
-    """Answer before that to `Make`, at any number of draws: this one is set up next.
+    """Answer before that to `Make`, at any number of draws: this one is drawn or set up next.
 
     Attributes
     ----------
-    spec : RunSpec
-        The run.
+    spec : RunSpec or None
+        The run that is set up; None while it is drawn.
     refused : int
         Number of draws before it that were impossible.
     """
 
-    spec: RunSpec
+    spec: RunSpec | None
     refused: int
 
 

@@ -43,7 +43,7 @@ class Mission(msgspec.Struct, frozen=True, kw_only=True):
     number : int
         Its number.
     spec : RunSpec or None
-        The run; None if its process was lost before the run was drawn.
+        The run; None if drawing it failed.
     refused : int
         Number of draws before it that the program refused as impossible.
     verdict : Verdict
@@ -114,7 +114,7 @@ class Lane:
             If `stop` is called meanwhile.
         """
         verdict, tried = self._process.ask(Make(seed=self._seed, number=number))
-        if tried is None:  # lost before anything was set up, as in building a world
+        if tried is None or tried.spec is None:  # it failed in drawing, as in building a world
             return Mission(number=number, verdict=verdict, folders=("",) * len(verdict.violations))
         spec = tried.spec
         repeated = bool(verdict.violations) or number % REPEATED_EVERY == 0

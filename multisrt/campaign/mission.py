@@ -152,7 +152,11 @@ def make(seed: int, number: int, trying: Trying | None = None) -> Verdict:
     Verdict
         What is judged.
     """
-    mission = drawn(seed, number, trying)
+    begin_s = time.perf_counter()
+    try:
+        mission = drawn(seed, number, trying)
+    except Exception as error:  # of a generator, as only refusals are drawn again
+        return _failed(error, 0, begin_s)
     if mission.setup is None:
         return judge(mission.spec)
     return _judged(mission.setup, time.perf_counter()).verdict

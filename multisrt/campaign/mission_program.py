@@ -54,7 +54,7 @@ def main(arguments: Sequence[str]) -> None:
 def _verdict(job: Job, answers: IO[bytes]) -> Verdict:
     if isinstance(job, Make):
 
-        def trying(spec: RunSpec, refused: int) -> None:
+        def trying(spec: RunSpec | None, refused: int) -> None:
             _tell(answers, Trying(spec=spec, refused=refused))
 
         return make(job.seed, job.number, trying)

@@ -35,7 +35,7 @@ FORMAT: Final = 1
 """Version of the tables, stored as the `user_version` of the file."""
 
 NOT_DRAWN: Final = "(not drawn)"
-"""The strategy of a mission that was lost before its run was drawn."""
+"""The strategy of a mission whose drawing failed."""
 
 _TABLES: Final = """
 CREATE TABLE meta (name TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;

@@ -109,7 +109,7 @@ def test_a_failure_is_shrunk_and_left_in_its_folder(tmp_path, fake):
 
 
 def test_a_mission_that_is_lost_before_it_is_drawn_is_told(tmp_path, fake, monkeypatch):
-    monkeypatch.setattr(fake, "tried", None)
+    monkeypatch.setattr(fake, "tried", Trying(spec=None, refused=4))
     mission = Lane(3, tmp_path, lambda invariant, strategy: True).make(17)
     assert (mission.spec, mission.folders) == (None, ("",))
     assert row_of(mission).strategy == NOT_DRAWN

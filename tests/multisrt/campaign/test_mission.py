@@ -1,5 +1,7 @@
 """Making one mission and judging it."""
 
+from typing import Any
+
 import msgspec
 import pytest
 
@@ -118,7 +120,7 @@ def test_an_invariant_that_raises_is_a_violation_of_its_own(monkeypatch):
 
 
 def test_a_mission_is_judged_as_its_spec_is():
-    seen = []
+    seen: list[Any] = []
     made = make(4, 2, lambda spec, refused: seen.append(spec))
     judged = judge(seen[-1])
     assert (made.digest, made.outcome) == (judged.digest, judged.outcome)
@@ -129,3 +131,13 @@ def test_messages_of_errors_are_one_line_and_not_long():
     text = described(ValueError("a\nb" * 1000))
     assert text.startswith("ValueError: a ba b")
     assert len(text) < 450
+
+
+def test_an_error_in_drawing_is_a_violation(monkeypatch):
+    def fails(seed, number, trying):
+        raise RuntimeError("a hole without a shell")
+
+    monkeypatch.setattr(mission, "drawn", fails)
+    verdict = make(4, 2)
+    assert (verdict.outcome, verdict.violations[0].invariant) == ("error", "no-error")
+    assert verdict.reason.endswith(": a hole without a shell")

@@ -93,5 +93,7 @@ def _pockets(free: Polygon, body_radius_m: float) -> list[Polygon]:
     if not cut_off.size:
         return []
     reached = places[main].buffer(body_radius_m)
+    if not reached.is_valid:  # buffers of GEOS rarely touch themselves where rings nearly meet
+        reached = reached.buffer(0.0)
     beyond = shapely.get_parts(shapely.difference(free, reached, grid_size=GRID_M))
     return [part for part in beyond if shapely.intersects(cut_off, part).any()]

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 import click
 
 from multisrt.cli.animate import animate
+from multisrt.cli.campaign import campaign
 from multisrt.cli.check import check
 from multisrt.cli.compete import compete
 from multisrt.cli.completion import PROGRAM, VARIABLE, completion
@@ -56,6 +57,7 @@ def cli() -> None:
       multisrt figure maps runs/office-srt-radial-0
       multisrt check mine.py
       multisrt compete iec
+      multisrt campaign run --missions 100
       multisrt experiment new star.toml
       multisrt environments
       multisrt strategies
@@ -78,6 +80,7 @@ for command in (
         strategy,
         check,
         compete,
+        campaign,
         experiment,
         report,
         reproduce,

@@ -110,9 +110,21 @@ def changed_strategies(one: Provenance, other: Provenance) -> list[str]:
 
 
 @cache
-def program_digest() -> str:
+def program_digest(*also: str) -> str:
     """Return a digest of what decides a run's outcome: code, and the bundled maps.
 
+    Parameters
+    ----------
+    *also : str
+        Other parts of this package that count, without what they import.
+
+    Returns
+    -------
+    str
+        Sixteen hexadecimal digits.
+
+    Notes
+    -----
     That is everything in `multisrt.simulation` and in every part of this package that it imports,
     directly or not, and `multisrt.informed`, which it loads by name. Docstrings, blank lines,
     lines of comment and the messages of raised errors do not count.
@@ -120,6 +132,8 @@ def program_digest() -> str:
     digest = hashlib.sha256()
     # What `informed` imports besides is `analysis`, by which all runs are measured.
     files = _files_behind("simulation") | _files_in("informed")
+    for part in also:
+        files |= _files_in(part)
     for name, source in sorted(files.items()):
         content = code_of(source) if name.endswith((".py", "/")) else source
         digest.update(f"{name} {len(content)}\n".encode())

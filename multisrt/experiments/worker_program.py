@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import faulthandler
 import gc
-import os
 import queue
 import signal
 import sys
@@ -28,6 +27,7 @@ from multisrt.experiments.import_path import extend_path
 from multisrt.experiments.job import Answer, Job, Made, Ready, Unable
 from multisrt.experiments.memory import MemoryTrimmer
 from multisrt.experiments.modules import import_modules
+from multisrt.experiments.pipes import own_pipes, queue_lines
 from multisrt.experiments.user_source import provenance_with
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.robots.registry import is_built_in, strategies
@@ -47,7 +47,7 @@ def main(arguments: Sequence[str]) -> None:
     """
     modules = extend_path(arguments)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    jobs, answers = _own_pipes()
+    jobs, answers = own_pipes()
     faulthandler.enable(all_threads=False)
     try:
         import_modules(modules)
@@ -62,7 +62,7 @@ def main(arguments: Sequence[str]) -> None:
     gc.freeze()  # what was imported stays
     gc.set_threshold(ALLOCATIONS_PER_COLLECTION, 20, 50)
     lines: queue.SimpleQueue[bytes] = queue.SimpleQueue()
-    threading.Thread(target=_read, args=(jobs, lines), daemon=True).start()
+    threading.Thread(target=queue_lines, args=(jobs, lines), daemon=True).start()
     _answer(answers, Ready(made_by))
     tell = partial(_answer, answers)
     decoder = msgspec.json.Decoder(Job)
@@ -85,24 +85,6 @@ def main(arguments: Sequence[str]) -> None:
         else:
             _answer(answers, Made(result))
             trimmer.tidy()
-
-
-def _own_pipes() -> tuple[IO[bytes], IO[bytes]]:
-    """Move the pipes to other descriptors, away from what strategies print and read."""
-    jobs = os.fdopen(os.dup(0), "rb")
-    answers = os.fdopen(os.dup(1), "wb")
-    nothing = os.open(os.devnull, os.O_RDONLY)
-    os.dup2(nothing, 0)
-    os.close(nothing)
-    os.dup2(2, 1)
-    return jobs, answers
-
-
-def _read(jobs: IO[bytes], lines: queue.SimpleQueue[bytes]) -> None:
-    """Queue the lines of the input and exit at its end; runs in a separate thread."""
-    while line := jobs.readline():
-        lines.put(line)
-    os._exit(0)
 
 
 def _answer(answers: IO[bytes], answer: Answer) -> None:

@@ -5,7 +5,7 @@ from types import ModuleType
 import pytest
 
 ROOT = Path(__file__).parents[2]
-MAX_ROOMS = 31
+MAX_ROOMS = 32
 
 
 @pytest.fixture(scope="module")

@@ -295,3 +295,11 @@ def test_numbers_of_numpy_are_numbers() -> None:
     columns = whole("open", "columns", np.int64(3), 0, 5)  # type: ignore[arg-type]
     assert (type(size), size) == (float, 7.0)
     assert (type(columns), columns) == (int, 3)
+
+
+def test_a_buffer_of_geos_that_touches_itself_is_mended() -> None:
+    # Of this office a campaign found that it could not be drawn.
+    office = environment("office", width_m=22.8, height_m=22.7, corridor_m=2.29, seed=3502)
+    assert office.free.is_valid
+    assert len(office.free.geoms) == 1
+    assert len(shapely.get_parts(office.free.buffer(-0.45))) == 1

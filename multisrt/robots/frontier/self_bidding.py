@@ -93,7 +93,7 @@ def choose_by_self_bidding(robot: FrontierRobot, because: str) -> Choice:
     if not len(own.targets):
         return (yield from settle_on(robot, table, None, "self-bidding", because))
     radii = CohesionRadii(
-        range_m=robot.me.radio.range_m,
+        range_m=_cohesion_m(robot),
         diagonal_m=robot.raster.diagonal_m,
         first=options.phi_factor,
         step=options.phi_step,
@@ -110,6 +110,11 @@ def choose_by_self_bidding(robot: FrontierRobot, because: str) -> Choice:
             phi_m=tuple(step.phi_m for step in bid.steps if math.isfinite(step.phi_m)),
         )
     )
+
+
+def _cohesion_m(robot: FrontierRobot) -> float:
+    """Return the range of the radio in metres; a robot alone need not have one."""
+    return robot.me.radio.range_m if robot.me.radio.range_m > 0.0 else math.inf
 
 
 def _prospect(robot: FrontierRobot) -> _Prospect:
@@ -138,7 +143,7 @@ def _bid_tables(
     targets, indices = own.targets, robot.indices_of(own.targets)
     a = np.full((len(known.robots), len(targets)), np.inf)
     path_gap, frontier_gap = np.full_like(a, np.inf), np.full_like(a, np.inf)
-    first_phi_m = options.phi_factor * robot.me.radio.range_m
+    first_phi_m = options.phi_factor * _cohesion_m(robot)
     for i, number in enumerate(known.robots):
         is_own = number == robot.me.robot
         field = own.field if is_own else robot.field(*known.goals[i].tolist())

@@ -37,7 +37,7 @@ from multisrt.robots.explorer import Action, Look, Note, Outcome, Sighting, Step
 from multisrt.robots.multi_srt.coordination import check_feasibility, coordinate
 from multisrt.robots.multi_srt.engagement import Regroup, agree, build_and_wait_gpr, build_ger
 from multisrt.robots.multi_srt.messages import path_of
-from multisrt.robots.multi_srt.move_to import move_to, perceive
+from multisrt.robots.multi_srt.move_to import go_on, move_to, perceive
 from multisrt.robots.multi_srt.planner import Found, Planner, TargetChooser
 from multisrt.robots.multi_srt.progress import BoxedIn, Event, State
 from multisrt.robots.multi_srt.robot import SrtRobot
@@ -82,6 +82,9 @@ def take_steps(robot: SrtRobot, choose: TargetChooser) -> Steps:
         If the robot cannot get anywhere.
     """
     while True:
+        if robot.journey.interrupted is not None:
+            yield from go_on(robot, robot.journey.interrupted)
+            yield from robot.team.begin_step()
         try:
             gpr = yield from build_and_wait_gpr(robot)
             if robot.at.here is None:

@@ -12,7 +12,7 @@ from multisrt.robots.exploration_map import ExplorationMap
 from multisrt.robots.knowledge import Node
 from multisrt.robots.multi_srt.messages import Order, motion_of
 from multisrt.robots.multi_srt.roadmap import OutAndBack, SrtRoadmap
-from multisrt.robots.multi_srt.targets import KnownNode, NewPlace, Step, Target
+from multisrt.robots.multi_srt.targets import Interrupted, KnownNode, NewPlace, Step, Target
 from multisrt.robots.multi_srt.whereabouts import Whereabouts
 
 NEW_PLACE_M: Final = 0.05
@@ -37,6 +37,8 @@ class Journey:
         The target, as long as it has not been reached.
     came : Step or None
         The last step made.
+    interrupted : Interrupted or None
+        The motion in which a car stands that cannot reverse and was boxed in.
     purpose : Purpose
         Why the robot moves, for the record.
     """
@@ -44,6 +46,7 @@ class Journey:
     def __init__(self, at: Whereabouts, known: ExplorationMap, roadmap: SrtRoadmap) -> None:
         self.target: Target | None = None
         self.came: Step | None = None
+        self.interrupted: Interrupted | None = None
         self.purpose: Purpose = "explore"
         self._been: list[tuple[float, float]] = []
         self._at = at
@@ -136,7 +139,7 @@ class Journey:
         here = self._at.here
         if order.order == "keep":
             return planned
-        if order.order == "wait" or here is None:
+        if order.order == "wait" or here is None or self.interrupted is not None:
             return None
         if order.node is not None:
             if not self._roadmap.knows_hop(here, order.node):

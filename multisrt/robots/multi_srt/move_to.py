@@ -15,7 +15,7 @@ from multisrt.robots.multi_srt.messages import path_of
 from multisrt.robots.multi_srt.progress import BoxedIn, Event
 from multisrt.robots.multi_srt.roadmap import OutAndBack
 from multisrt.robots.multi_srt.robot import SrtRobot
-from multisrt.robots.multi_srt.targets import Step
+from multisrt.robots.multi_srt.targets import Interrupted, Step
 
 
 def perceive(robot: SrtRobot) -> Generator[Action, Outcome, LocalSafeRegion]:
@@ -145,22 +145,10 @@ def stop_here(robot: SrtRobot, step: Step, moved: Moved) -> Steps:
     whole, at = step.motion, robot.at
     robot.journey.target = None
     driven_s = moved.time_s - (robot.team.status.arrival_s - whole.duration_s)
-    while moved.blocked_by is not None:
-        robot.heed(moved.blocked_by)
-        if robot.roadmap.can_reverse:
-            break
-        robot.progress.note(Event.NO_PATH)
-        if robot.progress.is_boxed_in:
-            raise BoxedIn
-        yield from pause_a_while(robot)
-        motion = whole.after(driven_s)
-        yield from set_out(robot, motion)
-        began_s = at.time_s
-        moved = yield from follow(robot, replace(step, out_and_back=OutAndBack(motion)))
-        driven_s += moved.time_s - began_s
-    if moved.blocked_by is None:
-        robot.progress.note(Event.PATH)
-        at.here = step.node
+    assert moved.blocked_by is not None
+    robot.heed(moved.blocked_by)
+    if not robot.roadmap.can_reverse:
+        yield from go_on(robot, Interrupted(step, driven_s))
         return
     driven = whole.until(driven_s)
     if driven.length_m > 0.0 or at.q_act != whole.start:
@@ -172,3 +160,35 @@ def stop_here(robot: SrtRobot, step: Step, moved: Moved) -> Steps:
     robot.obstacles.avoided[moved.blocked_by.robot] = moved.blocked_by
     yield from robot.team.rest()
     yield from pause_a_while(robot)
+
+
+def go_on(robot: SrtRobot, motion: Interrupted) -> Steps:
+    """Continue a motion from which a car cannot return, when what blocks it has left.
+
+    Raises
+    ------
+    BoxedIn
+        If it stays blocked. The motion is the first that the car makes when it takes up another
+        task: it is at no node, from which another motion could begin.
+    """
+    step, driven_s = motion
+    robot.journey.came, robot.journey.target = step, None
+    blocked = True
+    while blocked:
+        robot.progress.note(Event.NO_PATH)
+        if robot.progress.is_boxed_in:
+            if robot.at.q_act != step.motion.start:
+                robot.journey.interrupted = Interrupted(step, driven_s)
+            raise BoxedIn
+        yield from pause_a_while(robot)
+        rest = step.motion.after(driven_s)
+        yield from set_out(robot, rest)
+        began_s = robot.at.time_s
+        moved = yield from follow(robot, replace(step, out_and_back=OutAndBack(rest)))
+        driven_s += moved.time_s - began_s
+        blocked = moved.blocked_by is not None
+        if moved.blocked_by is not None:
+            robot.heed(moved.blocked_by)
+    robot.journey.interrupted = None
+    robot.progress.note(Event.PATH)
+    robot.at.here = step.node

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from multisrt.events import Stage
 from multisrt.planners.motion.trajectory import Trajectory
@@ -115,3 +115,18 @@ class Step:
     def gives_way(self) -> bool:
         """Whether the step only clears the way of another robot."""
         return self.order == "give way"
+
+
+class Interrupted(NamedTuple):
+    """A step that a protective stop interrupted, of a car that cannot return.
+
+    Attributes
+    ----------
+    step : Step
+        The step.
+    driven_s : float
+        How much of its motion has been made, in seconds.
+    """
+
+    step: Step
+    driven_s: float

@@ -1,0 +1,138 @@
+"""What is left of a failure: a folder with its spec, its recording, a replay, and what broke."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Final
+
+import msgspec
+
+from multisrt.campaign.violations import Violation
+from multisrt.geometry.errors import InvalidInputError
+from multisrt.recording import atomic_write
+from multisrt.spec import RunSpec
+
+FAILURE_NAME: Final = "failure.toml"
+SPEC_NAME: Final = "spec.toml"
+DRAWN_NAME: Final = "drawn.toml"
+RECORDING_NAME: Final = "recording.jsonl"
+REPLAY_NAME: Final = "replay.html"
+
+
+class Failure(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
+    """A failure of a mission, as it stands in `FAILURE_NAME`.
+
+    Attributes
+    ----------
+    says : str
+        What broke, in one line.
+    invariant : str
+        Which invariant does not hold.
+    seed, number : int
+        Seed of the campaign, and number of the mission.
+    robot : int or None
+        The robot that it is about.
+    time_s : float or None
+        When, in seconds of the run.
+    tries : int
+        Number of runs by which the spec was shrunk; 0: it is as drawn.
+    digest : str
+        Digest of the recording; empty if there is none.
+    """
+
+    says: str
+    invariant: str
+    seed: int
+    number: int
+    robot: int | None = None
+    time_s: float | None = None
+    tries: int = 0
+    digest: str = ""
+
+    @property
+    def violation(self) -> Violation:
+        """What broke."""
+        return Violation(
+            invariant=self.invariant, says=self.says, robot=self.robot, time_s=self.time_s
+        )
+
+
+def folder_name(number: int, invariant: str) -> str:
+    """Return the name of the folder of a failure.
+
+    Examples
+    --------
+    >>> folder_name(123, "no-collision")
+    '000123-no-collision'
+    """
+    return f"{number:06d}-{invariant}"
+
+
+def write_failure(folder: Path, failure: Failure, spec: RunSpec, drawn: RunSpec) -> None:
+    """Write what broke and the specs; the recording is written by what makes the run.
+
+    Parameters
+    ----------
+    folder : Path
+        The folder, which is made.
+    failure : Failure
+        What broke.
+    spec, drawn : RunSpec
+        The spec that fails, and the one that was drawn.
+
+    Raises
+    ------
+    InvalidInputError
+        If a file cannot be written.
+    """
+    made = msgspec.toml.encode(failure).decode()
+    files = {FAILURE_NAME: made, SPEC_NAME: spec.canonical().to_toml(), DRAWN_NAME: drawn.to_toml()}
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InvalidInputError(f"cannot write {folder}: {error.strerror}") from None
+    for name, text in files.items():
+        with atomic_write(folder / name) as file:
+            file.write(text.encode())
+
+
+def read_failure(folder: Path) -> tuple[Failure, RunSpec]:
+    """Read a failure.
+
+    Parameters
+    ----------
+    folder : Path
+        The folder, or a file in it.
+
+    Returns
+    -------
+    (Failure, RunSpec)
+        What broke, and the spec that fails.
+
+    Raises
+    ------
+    InvalidInputError
+        If it is no folder of a failure; the message says which file is missing or wrong.
+    """
+    folder = folder_of(folder)
+    try:
+        text = (folder / FAILURE_NAME).read_text(encoding="utf-8")
+        spec = (folder / SPEC_NAME).read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise InvalidInputError(
+            f"{folder} is not the folder of a failure: it needs {FAILURE_NAME} and {SPEC_NAME} "
+            f"({error})"
+        ) from None
+    try:
+        failure = msgspec.toml.decode(text, type=Failure)
+    except msgspec.MsgspecError as error:
+        raise InvalidInputError(f"{folder / FAILURE_NAME}: {error}") from None
+    try:
+        return failure, RunSpec.from_toml(spec)
+    except InvalidInputError as error:
+        raise InvalidInputError(f"{folder / SPEC_NAME}: {error}") from None
+
+
+def folder_of(path: Path) -> Path:
+    """Return the folder of a failure that is given by itself or by a file in it."""
+    return path if path.is_dir() else path.parent

@@ -1,0 +1,70 @@
+"""What a process of a campaign is asked and answers: JSON objects, one a line."""
+
+from __future__ import annotations
+
+import msgspec
+
+from multisrt.campaign.mission import Verdict
+from multisrt.spec import RunSpec
+
+
+class Make(msgspec.Struct, frozen=True, kw_only=True, tag="make"):
+    """Draw a mission and judge it.
+
+    Attributes
+    ----------
+    seed, number : int
+        Seed of the campaign, and number of the mission.
+    """
+
+    seed: int
+    number: int
+
+
+class Judge(msgspec.Struct, frozen=True, kw_only=True, tag="judge"):
+    """Make a run and judge it.
+
+    Attributes
+    ----------
+    spec : RunSpec
+        The run.
+    folder : str
+        Folder for its recording and replay; empty: neither is written.
+    """
+
+    spec: RunSpec
+    folder: str = ""
+
+
+Job = Make | Judge
+
+
+class Trying(msgspec.Struct, frozen=True, kw_only=True, tag="trying"):
+    """Answer before that to `Make`, at any number of draws: this one is drawn or set up next.
+
+    Attributes
+    ----------
+    spec : RunSpec or None
+        The run that is set up; None while it is drawn.
+    refused : int
+        Number of draws before it that were impossible.
+    """
+
+    spec: RunSpec | None
+    refused: int
+
+
+class Answer(msgspec.Struct, frozen=True, kw_only=True, tag="verdict"):
+    """Answer to a job.
+
+    Attributes
+    ----------
+    verdict : Verdict
+        What is judged.
+    """
+
+    verdict: Verdict
+
+
+ANSWERS = msgspec.json.Decoder(Trying | Answer)
+"""Decodes a line that a process wrote."""

@@ -1,0 +1,132 @@
+"""Options of strategies, drawn from what their structures declare.
+
+Nothing here names an option: the type, the default and the checks of a structure of options say
+what can be drawn, so that an option which is added to a strategy is drawn as well.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Final
+
+import msgspec
+from msgspec import inspect
+
+from multisrt.campaign.chance import Chance, rounded
+from multisrt.geometry.errors import InvalidInputError
+from multisrt.robots.strategy import Strategy
+from multisrt.spec import Scalar
+
+MAX_TRIES: Final = 6
+"""Values of one option that are drawn until the structure takes one."""
+
+NUMBERS: Final = {0: 0.3, 1: 0.2, 2: 0.15, 3: 0.12, 5: 0.13, 8: 0.07, 20: 0.03}
+"""How many options are given other values than their defaults, with weights."""
+
+FACTOR: Final = 4.0
+"""Largest factor, and inverse of the smallest, by which a number differs from its default."""
+
+LENGTH_FACTOR: Final = 2.0
+"""The same for the smallest of a length: cells of half the width already are four times as many."""
+
+NONE: Final = "none"
+"""None, as it is written in a spec."""
+
+
+def draw_options(
+    strategy: Strategy, chance: Chance, given: Mapping[str, Scalar] | None = None
+) -> dict[str, Scalar]:
+    """Return options for a strategy, each of which it takes, and all together.
+
+    Parameters
+    ----------
+    strategy : Strategy
+        The strategy.
+    chance : Chance
+        Where random choices come from.
+    given : mapping of str to scalar, optional
+        Options that are given already; those that the strategy does not have are left out.
+
+    Returns
+    -------
+    dict of str to scalar
+        Options by name, without those left at their defaults.
+
+    Examples
+    --------
+    >>> from multisrt.robots.registry import strategy
+    >>> minpos = strategy("minpos")
+    >>> options = draw_options(minpos, Chance(7), {"home": "worth", "unknown": 1})
+    >>> options["home"], "unknown" in options
+    ('worth', False)
+    """
+    fields = _fields(strategy.options)
+    found = {name: value for name, value in (given or {}).items() if name in fields}
+    found = {name: value for name, value in found.items() if _takes(strategy, {name: value})}
+    free = [name for name in fields if name not in found]
+    for name in chance.some_of(free, min(chance.weighted(NUMBERS), len(free))):
+        for _ in range(MAX_TRIES):
+            value = _value(fields[name], chance)
+            if value != fields[name].default and _takes(strategy, {name: value}):
+                found[name] = value
+                break
+    while found and not _takes(strategy, found):
+        found.popitem()
+    return found
+
+
+def _fields(options: type[msgspec.Struct]) -> dict[str, inspect.Field]:
+    described = inspect.type_info(options)
+    assert isinstance(described, inspect.StructType)
+    return {field.name: field for field in described.fields}
+
+
+def _takes(strategy: Strategy, options: Mapping[str, Scalar]) -> bool:
+    try:
+        strategy.parse_options(options)
+    except InvalidInputError:
+        return False
+    return True
+
+
+def _value(field: inspect.Field, chance: Chance) -> Scalar:
+    kinds = list(field.type.types) if isinstance(field.type, inspect.UnionType) else [field.type]
+    some = [kind for kind in kinds if not isinstance(kind, inspect.NoneType)]
+    default = None if field.default is msgspec.NODEFAULT else field.default
+    if len(some) < len(kinds) and default is not None and chance.happens(0.3):
+        return NONE
+    match kind := chance.one_of(some):
+        case inspect.BoolType():
+            return not default if isinstance(default, bool) else chance.happens(0.5)
+        case inspect.LiteralType():
+            return chance.one_of([value for value in kind.values if value is not None])
+        case inspect.IntType():
+            return int(_within(kind, _whole(default, chance)))
+        case inspect.FloatType():
+            return _within(kind, _number(field.name, default, chance))
+    return NONE if default is None else str(default)  # text without choices is left as it is
+
+
+def _whole(default: Any, chance: Chance) -> int:
+    usual = default if isinstance(default, int) and default > 0 else 3
+    if chance.happens(0.4):
+        return chance.whole(0, 2)
+    return round(chance.magnitude(usual / FACTOR, usual * FACTOR))
+
+
+def _number(name: str, default: Any, chance: Chance) -> float:
+    if chance.happens(0.1):
+        return 0.0
+    usual = float(default) if isinstance(default, int | float) and default > 0.0 else 1.0
+    if usual <= 1.0 and not name.endswith(("_m", "_s")) and chance.happens(0.5):
+        return chance.number(0.0, 1.0)  # probably a share
+    low = usual / (LENGTH_FACTOR if name.endswith("_m") else FACTOR)
+    return chance.magnitude(low, usual * FACTOR)
+
+
+def _within(kind: inspect.IntType | inspect.FloatType, value: float) -> float:
+    if kind.ge is not None:
+        value = max(value, kind.ge)
+    if kind.le is not None:
+        value = min(value, kind.le)
+    return rounded(value) if isinstance(kind, inspect.FloatType) else value

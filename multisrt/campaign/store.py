@@ -1,0 +1,373 @@
+"""The missions of a campaign on disk: one SQLite file with a row for each.
+
+A row is written in one transaction when its mission is judged and the folders of its failures are
+there: however the program ends, stored missions are there, each once, and the next call makes the
+others. The file is opened and closed like that of an experiment; see `multisrt.experiments.store`.
+"""
+
+from __future__ import annotations
+
+import sqlite3
+from collections.abc import Iterator
+from pathlib import Path
+from types import TracebackType
+from typing import Final
+
+import msgspec
+
+from multisrt.campaign.lane import Mission
+from multisrt.campaign.violations import Violation
+from multisrt.experiments.lock import WriteLock
+from multisrt.experiments.provenance import program_digest, provenance
+from multisrt.experiments.store_file import (
+    connect,
+    errors_of,
+    fold_in,
+    fold_in_left,
+    require_store,
+)
+from multisrt.geometry.errors import InvalidInputError
+
+APPLICATION: Final = 0x4D534343
+"""Application id in the header of the file: "MSCC"."""
+
+FORMAT: Final = 1
+"""Version of the tables, stored as the `user_version` of the file."""
+
+NOT_DRAWN: Final = "(not drawn)"
+"""The strategy of a mission whose drawing failed."""
+
+_TABLES: Final = """
+CREATE TABLE meta (name TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
+CREATE TABLE missions (
+    number INTEGER PRIMARY KEY,
+    strategy TEXT NOT NULL,
+    world TEXT NOT NULL,
+    robots INTEGER NOT NULL,
+    refused INTEGER NOT NULL,
+    outcome TEXT NOT NULL,
+    reason TEXT NOT NULL,
+    time_s REAL NOT NULL,
+    events INTEGER NOT NULL,
+    steps INTEGER NOT NULL,
+    digest TEXT NOT NULL,
+    repeated INTEGER NOT NULL,
+    violations TEXT NOT NULL,
+    folders TEXT NOT NULL,
+    run_s REAL NOT NULL,
+    check_s REAL NOT NULL
+);
+"""
+
+
+class Row(msgspec.Struct, frozen=True, kw_only=True):
+    """A mission that is stored.
+
+    Attributes
+    ----------
+    number : int
+        Its number.
+    strategy, world : str
+        Its strategy, and the name of its world.
+    robots, refused : int
+        Number of robots, and of draws that the program refused as impossible.
+    outcome, reason : str
+        How the run ended, and why; see `multisrt.campaign.mission.Verdict`.
+    time_s : float
+        When it ended, in seconds of the run.
+    events, steps : int
+        Numbers of recorded events and of events of the clock.
+    digest : str
+        Digest of the recording.
+    repeated : bool
+        Whether it was repeated in another process.
+    violations : tuple of Violation
+        The invariants that do not hold.
+    folders : tuple of str
+        Folders of its failures.
+    run_s, check_s : float
+        Elapsed time of the run and of the invariants (s).
+    """
+
+    number: int
+    strategy: str
+    world: str
+    robots: int
+    refused: int
+    outcome: str
+    reason: str
+    time_s: float
+    events: int
+    steps: int
+    digest: str
+    repeated: bool
+    violations: tuple[Violation, ...]
+    folders: tuple[str, ...]
+    run_s: float
+    check_s: float
+
+
+def row_of(mission: Mission) -> Row:
+    """Return what is stored of a mission."""
+    verdict, spec = mission.verdict, mission.spec
+    return Row(
+        number=mission.number,
+        strategy=NOT_DRAWN if spec is None else spec.strategy,
+        world="" if spec is None else getattr(spec.environment, "name", ""),
+        robots=0 if spec is None else len(spec.robots),
+        refused=mission.refused,
+        repeated=mission.repeated,
+        folders=mission.folders,
+        outcome=verdict.outcome,
+        reason=verdict.reason,
+        time_s=verdict.time_s,
+        events=verdict.events,
+        steps=verdict.steps,
+        digest=verdict.digest,
+        violations=verdict.violations,
+        run_s=verdict.run_s,
+        check_s=verdict.check_s,
+    )
+
+
+class CampaignStore:
+    """The missions of a campaign so far, opened by `create_or_open` or `open`.
+
+    As a context manager it closes itself.
+
+    Attributes
+    ----------
+    path : Path
+        The file.
+    seed : int
+        Seed of the campaign.
+
+    Examples
+    --------
+    >>> with CampaignStore.create_or_open("campaign.sqlite", seed=7) as store:
+    ...     store.done()
+    set()
+    >>> with CampaignStore.open("campaign.sqlite") as store:
+    ...     store.seed
+    7
+    """
+
+    def __init__(
+        self, path: Path, connection: sqlite3.Connection, lock: WriteLock | None = None
+    ) -> None:
+        self.path = path
+        self._connection = connection
+        self._lock = lock
+        with errors_of(path):
+            meta = dict(connection.execute("SELECT name, value FROM meta"))
+        try:
+            self.seed = int(meta["seed"])
+            self._program = str(meta["program"])
+        except (KeyError, ValueError) as error:
+            raise InvalidInputError(f"{path}: a damaged file of missions: {error}") from None
+
+    @classmethod
+    def open(cls, path: str | Path) -> CampaignStore:
+        """Open the missions of a campaign for reading, even while another process writes them.
+
+        Parameters
+        ----------
+        path : str or Path
+            The file.
+
+        Returns
+        -------
+        CampaignStore
+            The store.
+
+        Raises
+        ------
+        InvalidInputError
+            If the file cannot be read or holds no missions.
+        """
+        path = Path(path)
+        require_store(path)
+        with errors_of(path):
+            connection = connect(path, "ro")
+            try:
+                _require_missions(path, connection)
+                return cls(path, connection)
+            except BaseException:
+                connection.close()
+                raise
+
+    @classmethod
+    def create_or_open(cls, path: str | Path, seed: int | None = None) -> CampaignStore:
+        """Open the missions of a campaign for writing; create the file if there is none.
+
+        Parameters
+        ----------
+        path : str or Path
+            The file.
+        seed : int, optional
+            Seed of the campaign; by default that of the file, and 0 for a new one.
+
+        Returns
+        -------
+        CampaignStore
+            The store, locked against other writers until it is closed.
+
+        Raises
+        ------
+        InvalidInputError
+            If the file holds something else, missions of another seed or of another version of
+            this program, or another process writes it.
+        """
+        path = Path(path)
+        if path.exists():
+            require_store(path, or_empty=True)
+        lock = WriteLock(path)
+        try:
+            with errors_of(path):
+                connection = connect(path, "rwc")
+                try:
+                    if not connection.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]:
+                        _begin(connection, 0 if seed is None else seed)
+                    _require_missions(path, connection)
+                    connection.execute("PRAGMA journal_mode = WAL")
+                    connection.execute("PRAGMA synchronous = NORMAL")
+                    store = cls(path, connection, lock)
+                    store._require_same(seed)
+                except BaseException:
+                    connection.close()
+                    raise
+        except BaseException:
+            lock.release()
+            raise
+        return store
+
+    def _require_same(self, seed: int | None) -> None:
+        if seed not in (None, self.seed):
+            raise InvalidInputError(
+                f"{self.path} holds missions of seed {self.seed}, not {seed}: leave out the seed, "
+                "or name another file"
+            )
+        if self._program != _program():
+            raise InvalidInputError(
+                f"{self.path}: its missions were made by another version of this program, whose "
+                "draws and results are not comparable: name another file"
+            )
+
+    @property
+    def is_of_this_program(self) -> bool:
+        """Whether this version of the program made it: whether it draws the same missions."""
+        return self._program == _program()
+
+    def close(self) -> None:
+        """Close the file and release the lock; missions that were added stay."""
+        if self._lock is not None:
+            fold_in(self._connection)
+        self._connection.close()
+        if self._lock is None:
+            fold_in_left(self.path)
+        else:
+            self._lock.release()
+            self._lock = None
+
+    def __enter__(self) -> CampaignStore:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def add(self, row: Row) -> None:
+        """Store a mission, unless it is stored already.
+
+        Parameters
+        ----------
+        row : Row
+            What is stored of it.
+
+        Raises
+        ------
+        InvalidInputError
+            If it cannot be written, as on a full disk; missions stored before stay.
+        """
+        names = Row.__struct_fields__
+        values = {name: getattr(row, name) for name in names}
+        for name in ("violations", "folders"):
+            values[name] = msgspec.json.encode(values[name]).decode()
+        with errors_of(self.path), self._connection as transaction:
+            transaction.execute(
+                f"INSERT INTO missions ({', '.join(names)}) "
+                f"VALUES ({', '.join('?' * len(names))}) ON CONFLICT (number) DO NOTHING",
+                tuple(values[name] for name in names),
+            )
+
+    def done(self) -> set[int]:
+        """Return the numbers of the missions that are stored."""
+        with errors_of(self.path):
+            return {number for (number,) in self._connection.execute("SELECT number FROM missions")}
+
+    def rows(self) -> Iterator[Row]:
+        """Yield the missions that are stored, by their numbers.
+
+        Yields
+        ------
+        Row
+            What is stored of each.
+
+        Raises
+        ------
+        InvalidInputError
+            If the file cannot be read, or a row is damaged.
+        """
+        names = Row.__struct_fields__
+        with errors_of(self.path):
+            found = self._connection.execute(
+                f"SELECT {', '.join(names)} FROM missions ORDER BY number"
+            )
+            for values in found:
+                yield self._row(dict(zip(names, values, strict=True)))
+
+    def _row(self, values: dict[str, object]) -> Row:
+        try:
+            for name in ("violations", "folders"):
+                values[name] = msgspec.json.decode(str(values[name]))
+            return msgspec.convert(values, Row, strict=False)
+        except msgspec.MsgspecError as error:
+            raise InvalidInputError(f"{self.path}: a damaged mission: {error}") from None
+
+
+def _begin(connection: sqlite3.Connection, seed: int) -> None:
+    meta = (
+        ("seed", str(seed)),
+        ("program", _program()),
+        ("provenance", msgspec.json.encode(provenance()).decode()),
+    )
+    connection.execute("PRAGMA journal_mode = WAL")
+    with connection as transaction:
+        transaction.execute("BEGIN IMMEDIATE")
+        for statement in _TABLES.split(";")[:-1]:
+            transaction.execute(statement)
+        transaction.execute(f"PRAGMA application_id = {APPLICATION}")
+        transaction.execute(f"PRAGMA user_version = {FORMAT}")
+        transaction.executemany("INSERT INTO meta (name, value) VALUES (?, ?)", meta)
+
+
+def _require_missions(path: Path, connection: sqlite3.Connection) -> None:
+    (application,) = connection.execute("PRAGMA application_id").fetchone()
+    if application != APPLICATION:
+        raise InvalidInputError(
+            f"{path}: an SQLite file, but not one of a campaign; name another one"
+        )
+    (version,) = connection.execute("PRAGMA user_version").fetchone()
+    if version != FORMAT:
+        raise InvalidInputError(
+            f"{path}: missions in format {version}; this program reads format {FORMAT}: use the "
+            "version that made them, or another file"
+        )
+
+
+def _program() -> str:
+    return program_digest("campaign")

@@ -1,0 +1,314 @@
+"""`multisrt campaign`: missions of all kinds that try to break the program."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from multisrt.cli import candidates
+from multisrt.cli.mistakes import CommandGroup
+from multisrt.cli.output_options import quiet_option
+
+if TYPE_CHECKING:
+    from multisrt.campaign.lane import Mission
+    from multisrt.campaign.running import Progress
+    from multisrt.campaign.store import Row
+
+VIOLATED = 1
+"""Exit code if an invariant does not hold."""
+
+MAX_FAILURES = 20
+"""Failures that are listed; the others are only counted."""
+
+EXAMPLES = """
+\b
+Examples:
+  multisrt campaign run --missions 1000
+  multisrt campaign run --for 2h --workers 2 --seed 7 --store night.sqlite
+  multisrt campaign show night.sqlite
+  multisrt campaign invariants
+  multisrt campaign replay night-failures/000123-no-collision
+"""
+
+
+class Duration(click.ParamType[float]):
+    """A duration: ``90s``, ``15m``, ``2h`` or ``1.5h``."""
+
+    name = "duration"
+
+    def convert(
+        self, value: object, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float:
+        """Return it in seconds."""
+        if isinstance(value, float):
+            return value
+        found = re.fullmatch(r"(\d+(?:\.\d+)?) ?(s|m|min|h|d)", str(value).strip())
+        if found is None or float(found[1]) == 0.0:
+            self.fail(f"{value!r} is not a duration such as 90s, 15m or 2h", param, ctx)
+        return (
+            float(found[1])
+            * {"s": 1.0, "m": 60.0, "min": 60.0, "h": 3600.0, "d": 86_400.0}[found[2]]
+        )
+
+
+@click.group(cls=CommandGroup, epilog=EXAMPLES)
+def campaign() -> None:
+    """Try to break the program, by runs of all kinds.
+
+    Each mission is a run drawn from a seed: its world, team, radio, faults, strategy and options.
+    Of each it is judged whether what must hold in every run holds.
+    """
+
+
+@campaign.command()
+@click.option(
+    "--missions",
+    type=click.IntRange(1),
+    metavar="N",
+    help="Number of missions, those that are stored included.",
+)
+@click.option(
+    "--for",
+    "for_s",
+    type=Duration(),
+    metavar="TIME",
+    help="Begin no mission after this time: 90s, 15m, 2h.",
+)
+@click.option(
+    "--workers", type=click.IntRange(1), default=1, show_default=True, help="Number of processes."
+)
+@click.option(
+    "--seed",
+    type=click.IntRange(0),
+    metavar="S",
+    help="Seed of the campaign.  [default: that of the store, 0 for a new one]",
+)
+@click.option(
+    "--store",
+    type=click.Path(path_type=Path),
+    default=Path("campaign.sqlite"),
+    show_default=True,
+    metavar="FILE",
+    help="File for the missions, with which the same command goes on.",
+)
+@click.option(
+    "--shrink",
+    type=click.IntRange(0),
+    default=3,
+    show_default=True,
+    metavar="N",
+    help="Failures of one invariant and strategy that are made smaller.",
+)
+@quiet_option("failures and the table")
+def run(
+    missions: int | None,
+    for_s: float | None,
+    workers: int,
+    seed: int | None,
+    store: Path,
+    shrink: int,
+    quiet: bool,
+) -> None:
+    """Make missions and judge them.
+
+    Mission K of a seed is the same however many there are. Each is stored as it is judged; after
+    an interruption the same command continues. A failure is made smaller, and left in a folder
+    beside the store, with its spec, its recording and a replay.
+
+    \b
+    Examples:
+      multisrt campaign run --missions 1000
+      multisrt campaign run --for 2h --workers 2 --seed 7 --store night.sqlite
+
+    \b
+    Exit code:
+      0  all invariants hold   1  some do not   2  bad input   130  interrupted
+    """
+    from multisrt.campaign.running import run_campaign
+    from multisrt.campaign.store import CampaignStore
+    from multisrt.terminal import LiveLine
+
+    if missions is None and for_s is None:
+        raise click.UsageError("give --missions or --for: a campaign needs an end")
+    with CampaignStore.create_or_open(store, seed) as opened:
+        try:
+            with LiveLine(not quiet, f"campaign {opened.seed}", counted=True) as live:
+                run_campaign(
+                    opened,
+                    missions=missions,
+                    for_s=for_s,
+                    workers=workers,
+                    shrunk_each=shrink,
+                    progress=_watch(live.update, live.tell if live.rewritten else click.echo),
+                )
+        except KeyboardInterrupt:
+            stored = f"{len(opened.done())} missions are stored in {store}"
+            click.echo(f"{stored}; the same command continues", err=True)
+            raise click.Abort from None
+        failed = _show_table(opened.rows())
+    click.echo(f"missions: {store}")
+    if failed:
+        raise SystemExit(VIOLATED)
+
+
+def _watch(update: Callable[..., None], tell: Callable[[str], None]) -> Callable[[Progress], None]:
+    from multisrt.experiments.live import duration
+
+    def watch(now: Progress) -> None:
+        parts = [f"{now.failed} failed"] if now.failed else []
+        if now.made:
+            parts.append(f"{now.made / now.elapsed_s * 3600.0:,.0f} an hour".replace(",", " "))
+            if now.total is not None and now.total > now.done:
+                left_s = (now.total - now.done) * now.elapsed_s / now.made
+                parts.append(f"{duration(left_s)} left")
+        update(total=now.total, completed=now.done, note=", ".join(parts) or "starting")
+        for line in [] if now.latest is None else _failures(now.latest):
+            tell(line)
+
+    return watch
+
+
+def _failures(mission: Mission) -> Iterable[str]:
+    for violation, folder in zip(mission.verdict.violations, mission.folders, strict=True):
+        yield _line(mission.number, violation.invariant, violation.says, folder)
+
+
+def _line(number: int, invariant: str, says: str, folder: str) -> str:
+    command = f"; multisrt campaign replay {shlex.quote(folder)}" if folder else ""
+    return f"mission {number}: {invariant}: {says}{command}"
+
+
+def _show_table(rows: Iterable[Row]) -> int:
+    """Print what the missions came to; return the number of those that failed."""
+    from multisrt.campaign.summary import summary
+    from multisrt.cli.tables import show_blocks
+
+    found = summary(rows)
+    if not found:
+        click.echo("no mission is stored yet")
+        return 0
+    every = found[-1]
+    headings = ["strategy", ">missions", *(f">{name}" for name in every.outcomes), ">s (median)"]
+    headings += [f">{name}" for name in every.violations]
+    table = [
+        [
+            each.strategy,
+            str(each.missions),
+            *(str(each.outcomes.get(name, 0)) for name in every.outcomes),
+            f"{each.median_s:.2f}",
+            *(str(each.violations.get(name, 0)) for name in every.violations),
+        ]
+        for each in found
+    ]
+    show_blocks(headings, table)
+    click.echo(
+        f"{every.missions} missions, {every.failed} of them failed; {every.repeated} were repeated "
+        f"in another process; {every.refused} draws were impossible and drawn again"
+    )
+    return every.failed
+
+
+@campaign.command()
+@click.argument(
+    "store",
+    metavar="STORE",
+    type=click.Path(path_type=Path),
+    shell_complete=candidates.files_named(".sqlite"),
+)
+@click.option(
+    "--number",
+    type=click.IntRange(0),
+    metavar="K",
+    help="Print the spec of mission K instead, as TOML.",
+)
+def show(store: Path, number: int | None) -> None:
+    """Print the results of a campaign, or the spec of a mission.
+
+    \b
+    Examples:
+      multisrt campaign show night.sqlite
+      multisrt campaign show night.sqlite --number 123 > mission.toml
+      multisrt explore --spec mission.toml
+    """
+    from multisrt.campaign.draws import draw
+    from multisrt.campaign.store import CampaignStore
+    from multisrt.geometry.errors import InvalidInputError
+
+    with CampaignStore.open(store) as opened:
+        if number is not None:
+            if not opened.is_of_this_program:
+                raise InvalidInputError(
+                    f"{store} was made by another version of this program, which drew other "
+                    "missions; those that failed are in the folders beside it"
+                )
+            click.echo(draw(opened.seed, number).to_toml(), nl=False)
+            return
+        rows = list(opened.rows())
+    _show_table(rows)
+    failures = [
+        _line(row.number, violation.invariant, violation.says, folder)
+        for row in rows
+        for violation, folder in zip(row.violations, row.folders, strict=True)
+    ]
+    for line in failures[:MAX_FAILURES]:
+        click.echo(line)
+    if len(failures) > MAX_FAILURES:
+        click.echo(f"... and {len(failures) - MAX_FAILURES} more")
+
+
+@campaign.command()
+def invariants() -> None:
+    """List what is judged of every mission.
+
+    \b
+    Examples:
+      multisrt campaign invariants
+    """
+    from multisrt.campaign.listing import demands
+    from multisrt.cli.tables import show, table
+
+    made = table("invariant", "what it demands")
+    for name, text in demands().items():
+        made.add_row(name, text)
+    show(made)
+
+
+@campaign.command()
+@click.argument("failure", metavar="FAILURE", type=click.Path(path_type=Path))
+def replay(failure: Path) -> None:
+    """Run a failure again, and say whether it still fails.
+
+    FAILURE is a folder that 'multisrt campaign run' left. Its recording and its replay page are
+    written again; nothing is opened.
+
+    \b
+    Examples:
+      multisrt campaign replay night-failures/000123-no-collision
+
+    \b
+    Exit code:
+      0  it does not fail any more   1  it still fails   2  bad input
+    """
+    from multisrt.campaign.failure import REPLAY_NAME, folder_of, read_failure
+    from multisrt.campaign.lane import replayed
+    from multisrt.campaign.shrinking import is_alike
+
+    found, spec = read_failure(failure)
+    folder = folder_of(failure)
+    violations = replayed(spec, folder, found.violation)
+    still = [violation for violation in violations if is_alike(violation, found.violation)]
+    click.echo(f"failed with: {found.invariant}: {found.says}")
+    for violation in violations:
+        prefix = "still fails" if violation in still else "fails otherwise"
+        click.echo(f"{prefix}: {violation.invariant}: {violation.says}")
+    if not violations:
+        click.echo("does not fail any more")
+    if (page := folder / REPLAY_NAME).is_file():
+        click.echo(page)
+    if violations:
+        raise SystemExit(VIOLATED)

@@ -1,0 +1,98 @@
+"""The store of a campaign."""
+
+import sqlite3
+
+import pytest
+
+from multisrt.campaign import store as store_module
+from multisrt.campaign.lane import Mission
+from multisrt.campaign.mission import Verdict
+from multisrt.campaign.store import CampaignStore, row_of
+from multisrt.campaign.violations import Violation
+from multisrt.experiments.spec import ExperimentSpec
+from multisrt.experiments.store import Store
+from multisrt.geometry.errors import InvalidInputError
+from multisrt.spec import CatalogEnvironment, RobotSpec, RunSpec
+
+BROKE = Violation(invariant="no-collision", says="it broke", robot=1, time_s=2.5)
+VERDICT = Verdict(
+    outcome="stalled", violations=(BROKE,), reason="why", time_s=9.5, events=7, steps=8, digest="ab"
+)
+
+
+def mission_of(number: int, verdict: Verdict = VERDICT, **more) -> Mission:
+    """Return a mission that was made."""
+    spec = RunSpec(
+        environment=CatalogEnvironment(name="open"), strategy="minpos", robots=(RobotSpec(),) * 2
+    )
+    return Mission(number=number, spec=spec, refused=1, verdict=verdict, **more)
+
+
+def test_missions_are_read_as_they_were_added(path):
+    rows = [row_of(mission_of(number, folders=("a/b",), repeated=True)) for number in (3, 1)]
+    with CampaignStore.create_or_open(path, 5) as store:
+        for row in rows:
+            store.add(row)
+        assert store.done() == {1, 3}
+    with CampaignStore.open(path) as store:
+        assert list(store.rows()) == rows[::-1]
+        assert store.seed == 5
+        assert store.is_of_this_program
+    assert not list(path.parent.glob("*-wal"))
+
+
+def test_a_mission_is_stored_once(path):
+    with CampaignStore.create_or_open(path) as store:
+        store.add(row_of(mission_of(1)))
+        store.add(row_of(mission_of(1, Verdict(outcome="complete"))))
+        assert [row.outcome for row in store.rows()] == ["stalled"]
+
+
+def test_another_seed_is_refused(path):
+    CampaignStore.create_or_open(path, 5).close()
+    with CampaignStore.create_or_open(path) as store:
+        assert store.seed == 5
+    with pytest.raises(InvalidInputError, match="missions of seed 5, not 6"):
+        CampaignStore.create_or_open(path, 6)
+
+
+def test_missions_of_another_program_are_not_continued(path, monkeypatch):
+    CampaignStore.create_or_open(path).close()
+    monkeypatch.setattr(store_module, "program_digest", lambda *also: "0" * 16)
+    with pytest.raises(InvalidInputError, match="another version of this program"):
+        CampaignStore.create_or_open(path)
+    with CampaignStore.open(path) as store:
+        assert not store.is_of_this_program
+
+
+def test_other_files_are_refused(path, tmp_path):
+    experiment = ExperimentSpec(name="x", environments=("open",), strategies=("minpos",))
+    Store.create_or_open(path, experiment).close()
+    with pytest.raises(InvalidInputError, match="not one of a campaign"):
+        CampaignStore.open(path)
+    with pytest.raises(InvalidInputError, match="not one of a campaign"):
+        CampaignStore.create_or_open(path)
+    text = tmp_path / "text.sqlite"
+    text.write_text("missions")
+    with pytest.raises(InvalidInputError):
+        CampaignStore.create_or_open(text)
+
+
+def test_a_file_that_is_written_cannot_be_written_by_another(path):
+    with (
+        CampaignStore.create_or_open(path),
+        pytest.raises(InvalidInputError, match="another process"),
+    ):
+        CampaignStore.create_or_open(path)
+
+
+def test_a_damaged_mission_is_told(path):
+    with CampaignStore.create_or_open(path) as store:
+        store.add(row_of(mission_of(1)))
+    with sqlite3.connect(path) as connection:
+        connection.execute("UPDATE missions SET violations = '{'")
+    with (
+        CampaignStore.open(path) as store,
+        pytest.raises(InvalidInputError, match="a damaged mission"),
+    ):
+        list(store.rows())

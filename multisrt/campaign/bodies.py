@@ -1,4 +1,4 @@
-"""Bodies as their spec describes them."""
+"""Bodies as their spec describes them, without what the simulation computes of them."""
 
 from __future__ import annotations
 
@@ -6,11 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
-from benchmarks.judge.views import FloatArray
 from multisrt.spec import RunSpec
+
+FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -69,7 +71,13 @@ def bodies_of(spec: RunSpec) -> list[Body]:
 
 
 def body_of(text: str) -> Body:
-    """Return the body that a text describes: ``disc:R``, ``box:LxW`` or ``polygon:X,Y ...``."""
+    """Return the body that a text describes: ``disc:R``, ``box:LxW`` or ``polygon:X,Y ...``.
+
+    Examples
+    --------
+    >>> body_of("disc:0.25").inscribed_m, body_of("box:0.6x0.4").inscribed_m
+    (0.25, 0.2)
+    """
     kind, _, numbers = text.partition(":")
     if kind == "disc":
         return Body(radius_m=float(numbers), outline=None)

@@ -1,0 +1,1 @@
+"""Campaigns: very many drawn runs, each held against invariants, to find what breaks them."""

@@ -44,6 +44,17 @@ class Body:
             return self.radius_m
         return float(np.hypot(*shapely.get_coordinates(self.outline).T).max())
 
+    @property
+    def width_m(self) -> float:
+        """Width of the narrowest straight passage that the body fits through."""
+        if self.outline is None:
+            return 2.0 * self.radius_m
+        corners = shapely.get_coordinates(self.outline.convex_hull)
+        along = np.diff(corners, axis=0)
+        across = np.column_stack([-along[:, 1], along[:, 0]]) / np.hypot(*along.T)[:, None]
+        # The least extent is that across a side.
+        return float(np.ptp(corners @ across.T, axis=0).min())
+
     def pieces(self) -> list[FloatArray]:
         """Return triangles that make up a polygon, each ``(3, 2)``."""
         triangles = shapely.get_parts(shapely.constrained_delaunay_triangles(self.outline))

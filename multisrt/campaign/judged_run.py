@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any, Final, TypeVar
@@ -73,9 +73,10 @@ class JudgedRun:
 
     recording: Recording
     environment: Environment
-    _shared: dict[str, Any] = field(default_factory=dict, init=False, repr=False)
+    _shared: dict[Hashable, Any] = field(default_factory=dict, init=False, repr=False)
 
-    def _once(self, name: str, compute: Callable[[], T]) -> T:
+    def once(self, name: Hashable, compute: Callable[[], T]) -> T:
+        """Return what a function computes; what it returned before under the same name."""
         if name not in self._shared:
             self._shared[name] = compute()
         found: T = self._shared[name]
@@ -102,7 +103,7 @@ class JudgedRun:
     @property
     def options(self) -> Mapping[str, Any]:
         """The options of the strategy, with their defaults."""
-        return self._once("options", self._options)
+        return self.once("options", self._options)
 
     def _options(self) -> Mapping[str, Any]:
         spec = self.recording.spec
@@ -117,16 +118,16 @@ class JudgedRun:
     @property
     def bodies(self) -> list[Body]:
         """The body of each robot."""
-        return self._once("bodies", lambda: bodies_of(self.recording.spec))
+        return self.once("bodies", lambda: bodies_of(self.recording.spec))
 
     @property
     def tracks(self) -> list[Track]:
         """The track of each robot."""
-        return self._once("tracks", lambda: tracks(self.recording))
+        return self.once("tracks", lambda: tracks(self.recording))
 
     def present_s(self, robot: int) -> tuple[float, float]:
         """Return from when to when a robot takes part: it is on, and not dead."""
-        return self._once("present", self._present_s)[robot]
+        return self.once("present", self._present_s)[robot]
 
     def _present_s(self) -> list[tuple[float, float]]:
         late = {f.robot for f in self.recording.spec.faults if isinstance(f, LateStart)}
@@ -145,14 +146,14 @@ class JudgedRun:
     @property
     def nodes(self) -> dict[NodeName, NodeAdded]:
         """All nodes by name."""
-        return self._once(
+        return self.once(
             "nodes", lambda: {(n.robot, n.serial): n for n in self.recording.of(NodeAdded)}
         )
 
     @property
     def regions(self) -> dict[NodeName, Polygon]:
         """The region of each node."""
-        return self._once("regions", self._regions)
+        return self.once("regions", self._regions)
 
     def _regions(self) -> dict[NodeName, Polygon]:
         region = self.recording.region
@@ -161,7 +162,7 @@ class JudgedRun:
     @property
     def known(self) -> list[dict[NodeName, float]]:
         """For each robot when it came to know which node, as it said itself."""
-        return self._once("known", self._known)
+        return self.once("known", self._known)
 
     def _known(self) -> list[dict[NodeName, float]]:
         known: list[dict[NodeName, float]] = [{} for _ in self.robots]

@@ -12,7 +12,7 @@ Examples
 >>> check(JudgedRun(recording=run.recording, environment=ms.environment("open")))
 []
 >>> print(INVARIANTS["no-collision"].__doc__.splitlines()[0])
-No body touches an obstacle or another body, at any time of the run.
+Check that no body touches an obstacle or another body, at any time of the run.
 """
 
 from __future__ import annotations

@@ -11,6 +11,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 from shapely import Polygon
+from shapely.geometry.base import BaseGeometry
 
 from multisrt.campaign.bodies import Body, FloatArray, placed
 from multisrt.campaign.judged_run import JudgedRun, Walls
@@ -33,7 +34,7 @@ BoolArray = NDArray[np.bool_]
 
 
 def no_collision(run: JudgedRun) -> Violation | None:
-    """No body touches an obstacle or another body, at any time of the run.
+    """Check that no body touches an obstacle or another body, at any time of the run.
 
     No event says so, no leg of a motion leads a body over a wall, and no two bodies overlap at one
     moment; bodies of the dead, and of robots that have not started, stand where they are. Paths of
@@ -77,7 +78,7 @@ def _touching_legs(body: Body, track: Track, walls: Walls) -> IntArray:
     """Return the legs on which a body touches a wall, ascending."""
     begins = track.legs[:, 1:3]
     touches: BoolArray = ~shapely.contains_xy(walls.grown, begins[:, 0], begins[:, 1])
-    coarse = np.array([shapely.LineString(_chords(track, k, COARSE_M)) for k in _legs(track)])
+    coarse = np.array([_line(_chords(track, k, COARSE_M)) for k in range(len(track.legs))])
     near = walls.tree.query(coarse, "dwithin", distance=body.circumscribed_m + COARSE_M)
     for leg in np.unique(near[0]).tolist():
         if not touches[leg]:
@@ -85,8 +86,11 @@ def _touching_legs(body: Body, track: Track, walls: Walls) -> IntArray:
     return np.flatnonzero(touches)
 
 
-def _legs(track: Track) -> range:
-    return range(len(track.legs))
+def _line(points: FloatArray) -> BaseGeometry:
+    # GEOS measures no distance from a line without a length.
+    if (points == points[0]).all():
+        return shapely.Point(points[0])
+    return shapely.LineString(points)
 
 
 def _chords(track: Track, leg: int, sagitta_m: float) -> FloatArray:
@@ -100,7 +104,7 @@ def _chords(track: Track, leg: int, sagitta_m: float) -> FloatArray:
 
 def _touches(body: Body, track: Track, leg: int, walls: Walls) -> bool:
     if body.outline is None:
-        path = shapely.LineString(_chords(track, leg, 0.5 * TOUCH_M))
+        path = _line(_chords(track, leg, 0.5 * TOUCH_M))
         reach_m = body.radius_m - TOUCH_M
         return len(walls.tree.query(path, "dwithin", distance=reach_m)) > 0
     if abs(track.turns[leg]) > MIN_TURN_RAD:
@@ -129,9 +133,7 @@ def _touches_turning(body: Body, track: Track, leg: int, walls: Walls) -> bool:
 
     def apart(shares: FloatArray) -> FloatArray:
         shapes = smaller.at(track.on(np.full(len(shares), leg), shares))
-        index, distances = walls.tree.query_nearest(
-            shapes, return_distance=True, all_matches=False
-        )
+        index, distances = walls.tree.query_nearest(shapes, return_distance=True, all_matches=False)
         found = np.zeros(len(shapes))
         found[index[0]] = distances
         return np.where(found == 0.0, -math.inf, found)

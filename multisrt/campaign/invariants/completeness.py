@@ -27,6 +27,7 @@ from multisrt.events import (
     NodeName,
     Sent,
 )
+from multisrt.spec import RangeFinderSpec
 
 COMPLETE: Final = "complete-is-complete"
 BOXED_IN: Final = "boxed-in-is-boxed-in"
@@ -60,7 +61,7 @@ BELIEF_S: Final = 30.0
 
 
 def complete_is_complete(run: JudgedRun) -> Violation | None:
-    """A robot that says that it has left nothing could have opened nothing that it knew of.
+    """Check that a robot that left nothing, as it says, could have opened nothing it knew of.
 
     Of each robot that lives and whose last end is complete, the regions of all nodes that it knew
     then (in a complete run: at the end of the run) are united, and taken from the true free space
@@ -72,10 +73,10 @@ def complete_is_complete(run: JudgedRun) -> Violation | None:
     - bidding: `min_frontier_m` (the body's width by default) and four cells. The body stands three
       cells from it, as goals are cells at the frontier; paths are 1.5 cells from the unknown and
       two cells and the margin from walls; unknown parts that hold no disc of a cell are scraps;
-    - SRT: the body's width and 0.1 m, within the range; the body is off walls and off the unknown by
-      its margin and 0.02 m, and off the other bodies at that time, as arcs behind bodies that do
-      not answer are left; only frontier of the robot's own tree counts, as trees of others are left
-      to others; unknown parts that hold no disc of 0.05 m are scraps.
+    - SRT: the body's width and 0.1 m, within the range; the body is off walls and off the unknown
+      by its margin and 0.02 m, and off the other bodies at that time, as arcs behind bodies that
+      do not answer are left; only frontier of the robot's own tree counts, as trees of others are
+      left to others; unknown parts that hold no disc of 0.05 m are scraps.
 
     Unknown parts of less than 0.05 m2 are scraps as well, and with a laser what is so near to a
     wall that its beams leave it out. Not judged are cars, whose turns are not worked out here:
@@ -98,7 +99,7 @@ def complete_is_complete(run: JudgedRun) -> Violation | None:
 
 
 def boxed_in_is_boxed_in(run: JudgedRun) -> Violation | None:
-    """A robot that says that others box it in cannot get to any frontier past their bodies.
+    """Check that a robot boxed in, as it says, gets to no frontier past the bodies of others.
 
     As for `complete_is_complete`, with the bodies of all other robots as obstacles: wherever they
     were in the time for which the robot may have believed them to be there, 1.5 `body_stays_s`
@@ -194,10 +195,8 @@ def reach_of(run: JudgedRun, robot: int) -> Reach:
     """Return how the rules of a robot limit where it goes, and what it takes as frontier."""
     spec, body, options = run.recording.spec.robots[robot], run.bodies[robot], run.options
     finder = spec.range_finder
-    blind_m = 0.0
-    if finder.beams is not None:
-        less = math.tan(math.pi / finder.beams) / math.tan(SHARPEST_RAD / 2.0)
-        blind_m = BLIND * finder.range_m * less
+    # Regions of others, with other range finders, count as its own.
+    blind_m = max(_blind_m(robot.range_finder) for robot in run.recording.spec.robots)
     width_m = body.width_m
     if run.family == "srt":
         off_m = body.circumscribed_m + options["margin_m"] + SRT_SLACK_M
@@ -218,6 +217,14 @@ def reach_of(run: JudgedRun, robot: int) -> Reach:
         sees_m=min(3.0 * cell_m, finder.range_m),
         least_m=(width_m if least_m is None else least_m) + CELLS_BEYOND * cell_m,
     )
+
+
+def _blind_m(finder: RangeFinderSpec) -> float:
+    # How far beside a wall a laser takes for a wall what may not be one.
+    if finder.beams is None:
+        return 0.0
+    less = math.tan(math.pi / finder.beams) / math.tan(SHARPEST_RAD / 2.0)
+    return BLIND * finder.range_m * less
 
 
 def _bodies(run: JudgedRun, robot: int, begin_s: float, end_s: float) -> BaseGeometry:

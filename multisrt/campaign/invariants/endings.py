@@ -21,7 +21,7 @@ WAITS_FOR_EVER: Final = "for a message that never comes"
 
 
 def ends(run: JudgedRun) -> Violation | None:
-    """Every run ends within a bound on events, with an outcome and a reason that fit its events.
+    """Check that a run ends within a bound on events, with an outcome and a reason that fit.
 
     It has at most 2,000 events for each robot, and 100 for each second and each robot; messages
     count once for each robot of the team. The outcome is `complete` only if all robots that live
@@ -79,9 +79,9 @@ def _misnamed(run: JudgedRun) -> Iterator[str]:
                 )
         case "stalled":
             ended = [run.ends.get(robot) for robot in living]
-            if living and all(end is not None and end.complete for end in ended):
-                if not recording.of(Collision) and not _waits_again(run):
-                    yield "the outcome is stalled, but all robots that live ended completely"
+            is_complete = bool(living) and all(end is not None and end.complete for end in ended)
+            if is_complete and not recording.of(Collision) and not _waits_again(run):
+                yield "the outcome is stalled, but all robots that live ended completely"
             if WAITS_FOR_EVER in footer.reason:
                 yield f"the outcome is stalled: {footer.reason}"
 

@@ -25,7 +25,7 @@ RANGE_M: Final = 1e-3
 
 
 def free_is_free(run: JudgedRun) -> Violation | None:
-    """The regions that robots note as known lie in the true free space, and are seen from within.
+    """Check that regions noted as known lie in the true free space, and are seen from within.
 
     Every region is star-shaped about the place of its scan, to 1e-5 m, so that all of it was in
     sight; it lies within the range of the range finder, to 1e-3 m; and in free space, grown by

@@ -38,7 +38,7 @@ ROUNDING_S: Final = 1e-6
 
 
 def knowledge_by_scan_or_message(run: JudgedRun) -> Violation | None:
-    """Robots know what they scanned, and what messages brought them.
+    """Check that robots know what they scanned, and what messages brought them.
 
     A node is noted where its robot has taken a scan, to 1e-6 m. A node of another robot is learned,
     and named in arcs, decisions and as a parent, only after a message that was sent to the robot by

@@ -24,7 +24,7 @@ Place = tuple[float, float]
 
 
 def messages_over_links(run: JudgedRun) -> Violation | None:
-    """A message reaches only robots to which the radio has a link, at once or by relays.
+    """Check that a message reaches only robots to which the radio has a link, or relays.
 
     The sender, the receiver and all relays take part and are not silent. Each link is no longer
     than the range, to 1e-6 m; where walls block, the line lies in free space grown by 1e-6 m, and
@@ -61,7 +61,8 @@ class _Links:
                 )
                 yield Violation(
                     invariant=NAME,
-                    says=f"a message of {sender} at {message.time_s:.2f} s ({message.kind}) {wrong}",
+                    says=f"a message of {sender} at {message.time_s:.2f} s ({message.kind}) "
+                    f"{wrong}",
                     robot=message.robot,
                     time_s=message.time_s,
                 )

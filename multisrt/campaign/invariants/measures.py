@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator, Sequence
 from typing import Final
 
@@ -22,12 +23,15 @@ AREA: Final = 3e-4
 ROUNDING: Final = 1e-9
 """Maximum error of what is computed from the same numbers."""
 
+ONE_IN: Final = 3
+"""One run in so many is measured."""
+
 GRID_M: Final = 1e-6
 """Corners of overlays are rounded to multiples of this, in metres."""
 
 
 def measures_consistent(run: JudgedRun) -> Violation | None:
-    """Coverage never falls, areas and times are nested, and areas fit those of the regions.
+    """Check that coverage never falls, that areas and times are nested, and fit the regions.
 
     Covered lies within seen, seen within explorable, explorable within the free space around the
     starts, and delivered within covered; each percent of coverage is reached no earlier than the
@@ -36,8 +40,11 @@ def measures_consistent(run: JudgedRun) -> Violation | None:
     polygons, and no less than that union less what is not explorable; 3e-4 of the explorable area
     are allowed, where the measures promise 1e-4.
 
-    Cost: that of `measure`, about 0.1 s, and of the union. The largest of all.
+    Cost: that of `measure`, about 0.15 s, and of the union. It is the largest of all, so one run in
+    `ONE_IN` (3) is measured, by the seed of its spec: the same spec is always treated alike.
     """
+    if run.recording.spec.seed % ONE_IN:
+        return None
     metrics, curves = measure_with_curves(run.recording, run.environment)
     said = [*_nested(run, metrics), *_ordered(metrics, curves), *_overlaid(run, metrics)]
     return Violation(invariant=NAME, says=said[0]) if said else None
@@ -47,7 +54,6 @@ def _nested(run: JudgedRun, m: Metrics) -> tuple[str, ...]:
     slack = ROUNDING * max(1.0, m.free_area_m2)
     free_m2 = float(run.environment.free.area)
     chain = (
-        ("delivered", (m.delivered_coverage or 0.0) * m.explorable_area_m2),
         ("covered", m.covered_area_m2),
         ("seen", m.seen_area_m2),
         ("explorable", m.explorable_area_m2),
@@ -56,9 +62,11 @@ def _nested(run: JudgedRun, m: Metrics) -> tuple[str, ...]:
     )
     found = [
         f"{less:.6f} m2 are {inner}, but {more:.6f} m2 are {outer}"
-        for (inner, less), (outer, more) in zip(chain, chain[1:], strict=False)
+        for (inner, less), (outer, more) in itertools.pairwise(chain)
         if less > more + slack
     ]
+    if (m.delivered_coverage or 0.0) > m.coverage + ROUNDING:
+        found.append(f"{m.delivered_coverage:.9g} are delivered, but {m.coverage:.9g} covered")
     for name, value in (
         ("coverage", m.coverage),
         ("seen", m.seen),
@@ -105,7 +113,7 @@ def _falling(times_s: Sequence[float | None]) -> list[int]:
     """Return the positions of times that come before the one before them; None is never."""
     return [
         k
-        for k, (one, other) in enumerate(zip(times_s, times_s[1:], strict=False), 1)
+        for k, (one, other) in enumerate(itertools.pairwise(times_s), 1)
         if other is not None and (one is None or other < one - ROUNDING)
     ]
 

@@ -26,7 +26,7 @@ MAX_NODES: Final = 40
 
 
 def merge_order(run: JudgedRun) -> Violation | None:
-    """The nodes and closings that a robot knew give one map, in any order.
+    """Check that the nodes and closings that a robot knew give one map, in any order.
 
     Of up to two robots, drawn by the digest of the run, up to 40 nodes and all closings on record
     are merged in the order in which the robot came to know them and in another one, drawn too: the

@@ -13,6 +13,7 @@ from multisrt.campaign.bodies import FloatArray
 from multisrt.campaign.judged_run import JudgedRun
 from multisrt.campaign.violations import Violation
 from multisrt.events import (
+    BaseLearned,
     Blocked,
     Died,
     Event,
@@ -40,7 +41,7 @@ PLACE_M: Final = 1e-5
 
 
 def motion_within_drive(run: JudgedRun) -> Violation | None:
-    """Every leg of a motion is one that the drive of the body can do.
+    """Check that every leg of a motion is one that the drive of the body can do.
 
     No faster than its speed, and a differential drive turns no faster than its turn rate; it and a
     car move along their heading, not to the side; a holonomic body keeps its heading; a car turns
@@ -112,7 +113,7 @@ def _limits(
 
 
 def motion_continuous(run: JudgedRun) -> Violation | None:
-    """Poses never jump, and only robots that take part move, sense and send.
+    """Check that poses never jump, and that only robots that take part move, sense and send.
 
     A motion begins where the last one ended, and not before; its waypoints lie in time from its
     begin to the end of the run. Scans are taken, and robots stop and die, where their motions say
@@ -166,8 +167,8 @@ def _out_of_place(run: JudgedRun) -> Iterator[Violation]:
 def _out_of_time(run: JudgedRun) -> Iterator[Violation]:
     bounds = [run.present_s(robot) for robot in run.robots]
     for event in run.recording.events:
-        if event.robot >= len(bounds):
-            continue  # the base station
+        if event.robot >= len(bounds) or isinstance(event, BaseLearned):
+            continue  # what the base station does, perhaps with a message of one that has died
         begin_s, end_s = bounds[event.robot]
         last_s = event.waypoints[-1][0] if isinstance(event, Motion) else event.time_s
         if event.time_s < begin_s - ROUNDING_S and not isinstance(event, Joined):
@@ -180,7 +181,9 @@ def _out_of_time(run: JudgedRun) -> Iterator[Violation]:
 
 def _violation(robot: int, time_s: float, what: str) -> Violation:
     return Violation(
-        invariant=CONTINUOUS, says=f"robot {robot} {what}, {time_s:.2f} s", robot=robot,
+        invariant=CONTINUOUS,
+        says=f"robot {robot} {what}, {time_s:.2f} s",
+        robot=robot,
         time_s=time_s,
     )
 

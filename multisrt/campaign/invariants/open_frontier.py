@@ -204,9 +204,7 @@ def _seen(
     middle = begin + length // 2
     ends: FloatArray = shapely.get_coordinates(sights[middle])
     (px, py), (sx, sy) = ends[0].tolist(), ends[-1].tolist()
-    return [
-        OpenFrontier(length_m=length_m, behind_m2=area_m2, place=(px, py), stand=(sx, sy))
-    ]
+    return [OpenFrontier(length_m=length_m, behind_m2=area_m2, place=(px, py), stand=(sx, sy))]
 
 
 def _longest_run(flags: Sequence[bool] | np.ndarray) -> tuple[int, int]:

@@ -36,7 +36,7 @@ MOVED_M: Final = 1e-3
 
 
 def waits_within_limits(run: JudgedRun) -> Violation | None:
-    """No team stands for longer than the limits of its waits together, and none waits for ever.
+    """Check that no team stands for longer than the limits of its waits together, or for ever.
 
     A spell is a time in which, of all robots that take part and have not ended, none moves by more
     than 1e-3 m or rad, notes or learns a node or ends, and no fault strikes, although at least one

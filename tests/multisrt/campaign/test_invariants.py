@@ -579,7 +579,27 @@ def test_a_team_that_stands_for_ever_is_found(name, request):
         time_s=run.end_s + 5000.0,
         outcome="out_of_time",
     )
-    assert "nobody does anything" in broken(stands, "waits-within-limits")
+    assert "anything from" in broken(stands, "waits-within-limits")
+
+
+def test_one_robot_of_a_team_that_waits_for_ever_is_found():
+    # Robot 0 stands from 1 s on, while robot 1 drives to and fro.
+    there = [
+        drive(1, (4.0 * k, 0.5, 2.5, 0.0), (4.0 * k + 2.0, 1.5, 2.5, 0.0)) for k in range(100)
+    ]
+    back = [
+        drive(1, (4.0 * k + 2.0, 1.5, 2.5, 0.0), (4.0 * k + 4.0, 0.5, 2.5, 0.0)) for k in range(100)
+    ]
+    moves = [drive(0, (0.0, 3.0, 0.5, 0.0), (1.0, 3.5, 0.5, 0.0)), *there, *back]
+    starts = ((3.0, 0.5, 0.0), (0.5, 2.5, 0.0))
+    for strategy, end_s, is_found in (
+        ("minpos", 400.0, True),
+        ("minpos", 150.0, False),
+        ("srt-radial", 400.0, False),
+    ):
+        until = [move for move in moves if move.waypoints[-1][0] <= end_s]
+        run = written(until, starts=starts, strategy=strategy, end_s=end_s)
+        assert ("robot 0 does not do" in broken(run, "waits-within-limits")) is is_found
 
 
 def test_a_standstill_that_the_stop_rule_ends_is_found(srt):

@@ -27,6 +27,12 @@ TOUCH_M: Final = 1e-6
 FOUND_M: Final = 2e-5
 """Where a body that is no disc turns, overlaps are found that are deeper than this, in metres."""
 
+BESIDE_M: Final = 0.1
+"""How far from where a body drives the obstacle is that it touches, in metres."""
+
+LEG_M: Final = 2.0
+"""How far from where it sets out a body touches an obstacle by which a run ended, in metres."""
+
 COARSE_M: Final = 1e-3
 """Arcs are first taken as chords that lie at most this far from them, in metres."""
 
@@ -43,9 +49,16 @@ def no_collision(run: JudgedRun) -> Violation | None:
     as nothing on them moves faster than their motion says, or until they are within `FOUND_M`
     (2e-5 m). Robots plan with more than ten times as much.
 
+    Walls that the beams of a laser missed are not known to be there: where a region on the map of
+    the robot holds a part of an obstacle beside it, its touching is no violation. `free-is-free`
+    bounds what beams may miss.
+
     Cost: some milliseconds for each robot and each pair.
     """
     for event in run.recording.of(Collision):
+        here = shapely.Point(event.configuration[:2])
+        if _is_unseen(run, event.robot, here.buffer(LEG_M)):
+            continue
         return Violation(
             invariant=NAME,
             says=f"robot {event.robot} {event.account} at {event.time_s:.2f} s",
@@ -65,6 +78,9 @@ def _with_walls(run: JudgedRun) -> Iterator[Violation]:
         if len(legs):
             begin, end = track.legs[legs[0], [0, 4]].tolist()
             x, y = track.legs[legs[0], 1:3].tolist()
+            path = _line(_chords(track, int(legs[0]), COARSE_M))
+            if _is_unseen(run, robot, path.buffer(body.circumscribed_m + BESIDE_M)):
+                continue
             yield Violation(
                 invariant=NAME,
                 says=f"robot {robot} touches an obstacle between {begin:.2f} s and {end:.2f} s, "
@@ -72,6 +88,16 @@ def _with_walls(run: JudgedRun) -> Iterator[Violation]:
                 robot=robot,
                 time_s=begin,
             )
+
+
+def _is_unseen(run: JudgedRun, robot: int, beside: BaseGeometry) -> bool:
+    """Whether a robot's map holds obstacles in an area, which beams missed."""
+    if all(spec.range_finder.beams is None for spec in run.recording.spec.robots):
+        return False
+    obstacles = beside.difference(run.walls.grown)
+    return any(
+        run.regions[name].intersection(obstacles).area > TOUCH_M for name in run.known[robot]
+    )
 
 
 def _touching_legs(body: Body, track: Track, walls: Walls) -> IntArray:

@@ -76,7 +76,9 @@ def complete_is_complete(run: JudgedRun) -> Violation | None:
     - SRT: the body's width and 0.1 m, within the range; the body is off walls and off the unknown
       by its margin and 0.02 m, and off the other bodies at that time, as arcs behind bodies that
       do not answer are left; only frontier of the robot's own tree counts, as trees of others are
-      left to others; unknown parts that hold no disc of 0.05 m are scraps.
+      left to others; it does not look from places that are nearer to a node than
+      `completion_spacing` times `d_min_m`, and 0.02 m; unknown parts that hold no disc of 0.05 m
+      are scraps.
 
     Unknown parts of less than 0.05 m2 are scraps as well, and with a laser what is so near to a
     wall that its beams leave it out. Not judged are cars, whose turns are not worked out here:
@@ -183,11 +185,14 @@ def _left(
     obstacles = None
     if around_bodies_s is not None:
         obstacles = _bodies(run, robot, at_s - around_bodies_s, at_s)
-    only = None
+    only, looked = None, None
     if run.family == "srt":
+        looked = _looked_from(run, robot, names)
         own = [name for name in names if _root(run, name) == (robot, 0)]
         only = united(run, own).simplify(0.01).buffer(3.0 * reach.scrap_m, quad_segs=2)
-    found = open_frontiers(run, robot, names, reach, at, obstacles=obstacles, only=only)
+    found = open_frontiers(
+        run, robot, names, reach, at, obstacles=obstacles, looked=looked, only=only
+    )
     return [left for left in found if left.behind_m2 >= MIN_BEHIND_M2]
 
 
@@ -239,6 +244,17 @@ def _bodies(run: JudgedRun, robot: int, begin_s: float, end_s: float) -> BaseGeo
             path = shapely.LineString(run.tracks[other].at(np.append(times, end_s))[:, :2])
             taken.append(path.buffer(keep_m + run.bodies[other].circumscribed_m))
     return shapely.union_all(taken)
+
+
+def _looked_from(run: JudgedRun, robot: int, names: list[NodeName]) -> BaseGeometry:
+    # Around nodes, where the third stage of the planner of the SRT family takes no place.
+    d_min_m = run.options["d_min_m"]
+    if d_min_m is None:
+        share = 0.5 if run.recording.spec.strategy == "srt-ball" else 1.0
+        d_min_m = share * run.bodies[robot].width_m
+    places = shapely.points(np.array([run.nodes[name].configuration[:2] for name in names]))
+    near_m = run.options["completion_spacing"] * d_min_m + SRT_SLACK_M
+    return shapely.union_all(shapely.buffer(places, near_m))
 
 
 def _root(run: JudgedRun, name: NodeName) -> NodeName:

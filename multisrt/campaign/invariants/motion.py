@@ -28,7 +28,10 @@ WITHIN_DRIVE: Final = "motion-within-drive"
 CONTINUOUS: Final = "motion-continuous"
 
 ROUNDING_M: Final = 1e-6
-"""By how much a leg may be longer, wider or to the side, in metres."""
+"""By how much a leg may be longer, or two motions apart, in metres."""
+
+SIDEWAYS_M: Final = 1e-5
+"""By how much a leg may lead to the side, in metres: curves of cars are found to within this."""
 
 ROUNDING_RAD: Final = 1e-6
 """By how much a leg may turn more, in radians."""
@@ -46,7 +49,7 @@ def motion_within_drive(run: JudgedRun) -> Violation | None:
     No faster than its speed, and a differential drive turns no faster than its turn rate; it and a
     car move along their heading, not to the side; a holonomic body keeps its heading; a car turns
     on no smaller radius than its own, and a Dubins car never backwards. A leg may be longer by
-    1e-6 m, turn by 1e-6 rad more, and end 1e-6 m to the side, for rounding.
+    1e-6 m, turn by 1e-6 rad more, and end 1e-5 m to the side, for rounding.
 
     Cost: negligible.
     """
@@ -96,7 +99,7 @@ def _limits(
     mean = headings + 0.5 * turns
     forwards = along[:, 1] * np.cos(mean) + along[:, 2] * np.sin(mean)
     sideways = np.abs(along[:, 2] * np.cos(mean) - along[:, 1] * np.sin(mean))
-    for k in np.flatnonzero(sideways > ROUNDING_M)[:1].tolist():
+    for k in np.flatnonzero(sideways > SIDEWAYS_M)[:1].tolist():
         yield k, f"moves {sideways[k]:.6f} m to the side"
     if drive.kind == "differential":
         rate = drive.turn_rate_rad_s
@@ -171,7 +174,8 @@ def _out_of_time(run: JudgedRun) -> Iterator[Violation]:
             continue  # what the base station does, perhaps with a message of one that has died
         begin_s, end_s = bounds[event.robot]
         last_s = event.waypoints[-1][0] if isinstance(event, Motion) else event.time_s
-        if event.time_s < begin_s - ROUNDING_S and not isinstance(event, Joined):
+        is_on = event.time_s >= begin_s - ROUNDING_S
+        if not is_on and not isinstance(event, Joined | Died):
             what = f"has a {_name(event)} event before it is switched on, at {begin_s:.2f} s"
             yield _violation(event.robot, event.time_s, what)
         if last_s > end_s + ROUNDING_S or (isinstance(event, Sent) and event.time_s > end_s):

@@ -87,6 +87,7 @@ def open_frontiers(
     at: Sequence[float],
     *,
     obstacles: BaseGeometry | None = None,
+    looked: BaseGeometry | None = None,
     only: BaseGeometry | None = None,
 ) -> list[OpenFrontier]:
     """Return what a robot could still open, by a map of regions, the longest first.
@@ -105,6 +106,8 @@ def open_frontiers(
         Where it stands: x and y come first.
     obstacles : geometry, optional
         Places where its reference point cannot be.
+    looked : geometry, optional
+        Places that count as looked from: it passes them, but does not look from there again.
     only : geometry, optional
         Where the frontier has to lie to be its own.
     """
@@ -119,6 +122,10 @@ def open_frontiers(
         standing = solid(standing.difference(obstacles))
     standing = _part_at(standing, at, reach.off_walls_m)
     if standing is None:
+        return []
+    if looked is not None:
+        standing = solid(standing.difference(looked))
+    if standing.is_empty:
         return []
     found = []
     walls = run.once(

@@ -1,5 +1,6 @@
 """Good runs hold all invariants; runs that were tampered with break the one that is meant."""
 
+import dataclasses
 import math
 
 import msgspec
@@ -171,6 +172,26 @@ def test_a_recorded_collision_is_one(bids):
     assert broken(changed(bids, extra=[event]), "no-collision").startswith("robot 2 touched a cat")
 
 
+@pytest.mark.parametrize(("beams", "seen", "touches"), [(180, 4.0, True), (180, 3.0, False)])
+def test_a_wall_that_a_laser_missed_is_not_known(beams, seen, touches):
+    # The robot drives into the right wall, which its region reaches over, or not.
+    robots = (RobotSpec(range_finder=RangeFinderSpec(beams=beams)),)
+    narrower = Environment("narrower", shapely.box(0.0, 0.0, seen, 3.0))
+    node = NodeAdded(
+        time_s=0.0,
+        robot=0,
+        serial=0,
+        parent=None,
+        configuration=(2.0, 1.5, 0.0),
+        stage="root",
+        boundary=((0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0)),
+        tags="0000",
+    )
+    move = drive(0, (0.0, 2.0, 1.5, 0.0), (10.0, seen - 0.2, 1.5, 0.0))
+    run = written([node, move], environment=narrower, robots=robots)
+    assert bool(broken(run, "no-collision")) is touches
+
+
 # Motions -------------------------------------------------------------------------------------
 
 
@@ -234,6 +255,8 @@ def test_nobody_moves_when_dead_or_before_a_late_start():
     assert "after its death" in broken(written([move, died]), "motion-continuous")
     assert "before it is switched on" in broken(written([move], faults=late), "motion-continuous")
     assert not broken(written([move]), "motion-continuous")
+    early = Died(time_s=2.0, robot=0, configuration=(2.0, 1.5, 0.0), doing="waiting")
+    assert not broken(written([early], faults=late), "motion-continuous")
 
 
 def test_scans_are_taken_where_the_robot_is(bids):
@@ -537,6 +560,17 @@ def test_a_robot_in_the_open_is_not_boxed_in(bids, srt):
         assert "boxed in by robot 1" in broken(early, "boxed-in-is-boxed-in")
 
 
+@pytest.mark.parametrize(("spacing", "has_looked"), [(0.5, False), (8.0, True)])
+def test_places_beside_nodes_of_trees_count_as_looked_from(srt, spacing, has_looked):
+    options = {"completion_spacing": spacing}
+    spec = replace(srt.recording.spec, options=options)
+    header = replace(srt.recording.header, spec=spec)
+    early = cut_off(srt, 0.3 * srt.end_s, "nothing is left", complete=True)
+    recording = dataclasses.replace(early.recording, header=header)
+    run = JudgedRun(recording=recording, environment=srt.environment)
+    assert bool(broken(run, "complete-is-complete")) is not has_looked
+
+
 @pytest.mark.parametrize(("there", "way_is_free"), [(2.5, False), (0.4, True)])
 def test_a_robot_behind_a_body_is_boxed_in(there, way_is_free):
     # A corridor of 1 m: robot 1 stands in it, and robot 0 has seen past it, up to 5 m.
@@ -584,9 +618,7 @@ def test_a_team_that_stands_for_ever_is_found(name, request):
 
 def test_one_robot_of_a_team_that_waits_for_ever_is_found():
     # Robot 0 stands from 1 s on, while robot 1 drives to and fro.
-    there = [
-        drive(1, (4.0 * k, 0.5, 2.5, 0.0), (4.0 * k + 2.0, 1.5, 2.5, 0.0)) for k in range(100)
-    ]
+    there = [drive(1, (4.0 * k, 0.5, 2.5, 0.0), (4.0 * k + 2.0, 1.5, 2.5, 0.0)) for k in range(100)]
     back = [
         drive(1, (4.0 * k + 2.0, 1.5, 2.5, 0.0), (4.0 * k + 4.0, 0.5, 2.5, 0.0)) for k in range(100)
     ]

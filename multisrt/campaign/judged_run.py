@@ -172,7 +172,7 @@ class JudgedRun:
                     known[event.robot].setdefault((event.robot, event.serial), event.time_s)
                 case Learned():
                     for name in event.nodes:
-                        known[event.robot].setdefault(tuple(name), event.time_s)
+                        known[event.robot].setdefault((name[0], name[1]), event.time_s)
         return known
 
     def component(self, robot: int) -> Polygon:
@@ -206,5 +206,5 @@ def segments_of(area: BaseGeometry) -> list[BaseGeometry]:
     for ring in shapely.get_rings(shapely.get_parts(area)):
         points = shapely.get_coordinates(ring)
         lines.append(np.stack([points[:-1], points[1:]], axis=1))
-    found: list[BaseGeometry] = shapely.linestrings(np.concatenate(lines)).tolist()
+    found: list[BaseGeometry] = np.asarray(shapely.linestrings(np.concatenate(lines))).tolist()
     return found

@@ -124,7 +124,8 @@ def _chords(track: Track, leg: int, sagitta_m: float) -> FloatArray:
     turn = abs(float(track.turns[leg]))
     radius_m = float(track.lengths[leg]) / turn if turn > MIN_TURN_RAD else 0.0
     if radius_m <= sagitta_m:
-        return track.legs[leg][[1, 2, 5, 6]].reshape(2, 2)
+        ends: FloatArray = track.legs[leg][[1, 2, 5, 6]].reshape(2, 2)
+        return ends
     return track.along(leg, 2.0 * math.acos(1.0 - sagitta_m / radius_m))[:, :2]
 
 
@@ -162,7 +163,8 @@ def _touches_turning(body: Body, track: Track, leg: int, walls: Walls) -> bool:
         index, distances = walls.tree.query_nearest(shapes, return_distance=True, all_matches=False)
         found = np.zeros(len(shapes))
         found[index[0]] = distances
-        return np.where(found == 0.0, -math.inf, found)
+        found[found == 0.0] = -math.inf
+        return found
 
     return _first_meeting(apart, np.zeros(1), np.ones(1), np.array([reach_m])) is not None
 

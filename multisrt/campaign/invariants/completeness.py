@@ -273,7 +273,8 @@ def _is_jammed(run: JudgedRun, robot: int, end: Ended) -> bool:
                 tries += event.robot == robot or robot in event.reached
             case Blocked() | Coordinated() if run.family == "srt" and event.robot == robot:
                 tries += isinstance(event, Blocked) or event.order != "keep"
-    return tries >= run.options["max_jams" if run.family == "frontier" else "gives_up_after"]
+    most: int = run.options["max_jams" if run.family == "frontier" else "gives_up_after"]
+    return tries >= most
 
 
 def _until(run: JudgedRun, end: Ended) -> Iterator[object]:

@@ -103,7 +103,7 @@ class _Knowledge:
                 if not self._has_scanned(event.robot, event.configuration):
                     yield f"notes node {event.serial} at a place where it has taken no scan"
                 if event.parent is not None:
-                    yield from self._unknown(event.robot, (tuple(event.parent),), "goes on from")
+                    yield from self._unknown(event.robot, event.parent, "goes on from")
                 self._know(event.robot, (event.robot, event.serial))
             case Sent():
                 self._send(event)
@@ -112,7 +112,7 @@ class _Knowledge:
             case BaseLearned():
                 yield from self._learn(self._base, event.nodes, event.time_s, event.robot)
             case ArcClosed() | ArcReopened() | Decision():
-                yield from self._unknown(event.robot, (tuple(event.node),), "names")
+                yield from self._unknown(event.robot, event.node, "names")
         yield from self._strangers(event)
 
     def _has_scanned(self, robot: int, place: Pose) -> bool:
@@ -134,11 +134,9 @@ class _Knowledge:
             order[name] = len(order)
             self._knowers[name].append(member)
 
-    def _unknown(self, robot: int, names: tuple[NodeName, ...], does: str) -> Iterator[str]:
-        for name in names:
-            if name not in self._order[robot]:
-                yield f"{does} node {name[1]} of robot {name[0]}, which it does not know"
-                return
+    def _unknown(self, robot: int, name: NodeName, does: str) -> Iterator[str]:
+        if (name[0], name[1]) not in self._order[robot]:
+            yield f"{does} node {name[1]} of robot {name[0]}, which it does not know"
 
     def _send(self, sent: Sent) -> None:
         count = len(self._order[sent.robot])

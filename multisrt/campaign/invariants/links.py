@@ -152,4 +152,4 @@ class _Links:
         walls = len(shapely.get_parts(shapely.difference(line, free)))
         # 10 n log10(distance / range) + the loss of all walls <= 0.
         weaker = radio.wall_loss_db * walls / (10.0 * radio.path_loss_exponent)
-        return apart_m <= radio.reach_m * 10.0**-weaker + ROUNDING_M
+        return bool(apart_m <= radio.reach_m * 10.0**-weaker + ROUNDING_M)

@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 import shapely
-from shapely import MultiPolygon, Polygon
+from shapely import LineString, MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
 from multisrt.campaign.bodies import FloatArray
@@ -121,8 +121,6 @@ def open_frontiers(
     if obstacles is not None:
         standing = solid(standing.difference(obstacles))
     standing = _part_at(standing, at, reach.off_walls_m)
-    if standing is None:
-        return []
     if looked is not None:
         standing = solid(standing.difference(looked))
     if standing.is_empty:
@@ -175,24 +173,24 @@ def solid(shape: BaseGeometry) -> BaseGeometry:
     return MultiPolygon([p for p in shapely.get_parts(shape) if isinstance(p, Polygon)])
 
 
-def _part_at(standing: BaseGeometry, at: Sequence[float], within_m: float) -> BaseGeometry | None:
-    # The part from which the robot sets out; it may stand a little outside of it.
+def _part_at(standing: BaseGeometry, at: Sequence[float], within_m: float) -> BaseGeometry:
+    # The part from which the robot sets out, or nothing; it may stand a little outside of it.
     here = shapely.Point(at[0], at[1])
     parts = [part for part in shapely.get_parts(standing) if not part.is_empty]
     near = [part for part in parts if part.distance(here) <= within_m]
-    return min(near, key=lambda part: float(part.distance(here)), default=None)
+    return min(near, key=lambda part: float(part.distance(here)), default=MultiPolygon())
 
 
-def _stretches(lines: BaseGeometry) -> list[BaseGeometry]:
+def _stretches(lines: BaseGeometry) -> list[LineString]:
     merged = lines
     if lines.geom_type == "MultiLineString":
         merged = shapely.line_merge(lines)
     parts: list[BaseGeometry] = shapely.get_parts(merged).tolist()
-    return [part for part in parts if part.geom_type == "LineString" and part.length > 0.0]
+    return [part for part in parts if isinstance(part, LineString) and part.length > 0.0]
 
 
 def _seen(
-    run: JudgedRun, stretch: BaseGeometry, standing: BaseGeometry, reach: Reach, area_m2: float
+    run: JudgedRun, stretch: LineString, standing: BaseGeometry, reach: Reach, area_m2: float
 ) -> list[OpenFrontier]:
     # The longest run of points of a stretch that are in sight of the places next to them.
     if stretch.length < reach.least_m:

@@ -121,7 +121,7 @@ def limit(run: JudgedRun) -> float:
         homes = {"never": 0.0, "relays": 6.0, "chain": 12.0}
         waits_s += homes.get(options["home"], 3.0) * options["home_wait_s"]
         waits_s += options["home_period_s"] if options["home"] == "relays" else 0.0
-    return SLACK * waits_s + SLACK_S
+    return SLACK * float(waits_s) + SLACK_S
 
 
 def _round_s(run: JudgedRun) -> float:
@@ -140,7 +140,7 @@ def _asked(run: JudgedRun, begin_s: float, end_s: float) -> float:
         if sent.kind == "give way"
     )
     each_s = 1.5 * options["pause_s"] + options["ask_period_s"] + _round_s(run)
-    return SLACK * requests * each_s
+    return SLACK * requests * float(each_s)
 
 
 def _spells(run: JudgedRun, team: list[int]) -> Iterator[tuple[float, float]]:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import shapely
 
+from multisrt.analysis.measuring import measure_with_curves
 from multisrt.campaign.invariants import INVARIANTS, JudgedRun, check, measures, merging
 from multisrt.environments.environment import Environment
 from multisrt.events import (
@@ -21,6 +22,7 @@ from multisrt.events import (
     Sensed,
     Sent,
 )
+from multisrt.geometry.grids.occupancy import Occupancy
 from multisrt.robots.exploration_map import ExplorationMap
 from multisrt.simulation.simulate import simulate
 from multisrt.simulation.worlds import build_environment
@@ -449,16 +451,18 @@ def test_a_goal_is_not_chosen_with_a_robot_never_heard():
     ],
 )
 def test_inconsistent_measures_are_found(bids, monkeypatch, change, what):
-    metrics, curves = measures.measure_with_curves(bids.recording, bids.environment)
+    metrics, curves = measure_with_curves(bids.recording, bids.environment)
     wrong = replace(metrics, **change(metrics))
     monkeypatch.setattr(measures, "measure_with_curves", lambda *_: (wrong, curves))
     assert what in broken(bids, "measures-consistent")
 
 
 def test_coverage_that_falls_is_found(bids, monkeypatch):
-    metrics, curves = measures.measure_with_curves(bids.recording, bids.environment)
+    metrics, curves = measure_with_curves(bids.recording, bids.environment)
     times = list(curves.covered_at_s)
-    times[50] = times[48] - 0.1
+    half_s = times[48]
+    assert half_s is not None
+    times[50] = half_s - 0.1
     wrong = curves._replace(covered_at_s=tuple(times))
     monkeypatch.setattr(measures, "measure_with_curves", lambda *_: (metrics, wrong))
     assert "50 % are covered before 49 %" in broken(bids, "measures-consistent")
@@ -474,7 +478,7 @@ def test_maps_that_depend_on_the_order_are_found(bids, srt, monkeypatch):
 
 
 def test_rasters_that_depend_on_the_order_are_found(bids, monkeypatch):
-    class Forgetful(merging.Occupancy):
+    class Forgetful(Occupancy):
         """Takes in three regions, and no more."""
 
         taken = 0

@@ -19,6 +19,7 @@ from multisrt.campaign.invariants.open_frontier import (
 from multisrt.campaign.judged_run import JudgedRun
 from multisrt.campaign.violations import Violation
 from multisrt.events import (
+    ArcClosed,
     Blocked,
     Coordinated,
     Ended,
@@ -37,6 +38,9 @@ SHARPEST_RAD: Final = math.radians(45.0)
 
 BLIND: Final = 1.5
 """Factor on what a laser leaves out beside a wall, for corners of two walls."""
+
+DEFAULT_VIEWS: Final = 3
+"""With fewer views of a spot (`max_views`) an arc may be given up that is not seen at all."""
 
 MIN_BEHIND_M2: Final = 0.05
 """Smaller unknown parts are scraps."""
@@ -79,6 +83,9 @@ def complete_is_complete(run: JudgedRun) -> Violation | None:
       left to others; it does not look from places that are nearer to a node than
       `completion_spacing` times `d_min_m`, and 0.02 m; unknown parts that hold no disc of 0.05 m
       are scraps.
+
+    Where `max_views` is less than 3, or `d_min_m` more than the body's width, arcs that were given
+    up as seen from near do not count either: so few views are allowed of so large a spot.
 
     Unknown parts of less than 0.05 m2 are scraps as well, and with a laser what is so near to a
     wall that its beams leave it out. Not judged are cars, whose turns are not worked out here:
@@ -190,6 +197,8 @@ def _left(
         looked = _looked_from(run, robot, names)
         own = [name for name in names if _root(run, name) == (robot, 0)]
         only = united(run, own).simplify(0.01).buffer(3.0 * reach.scrap_m, quad_segs=2)
+        if _gives_up_early(run, robot):
+            only = only.difference(_seen_from_near(run).buffer(3.0 * reach.scrap_m, quad_segs=2))
     found = open_frontiers(
         run, robot, names, reach, at, obstacles=obstacles, looked=looked, only=only
     )
@@ -245,6 +254,23 @@ def _bodies(run: JudgedRun, robot: int, begin_s: float, end_s: float) -> BaseGeo
             path = shapely.LineString(run.tracks[other].at(np.append(times, end_s))[:, :2])
             taken.append(path.buffer(keep_m + run.bodies[other].circumscribed_m))
     return shapely.union_all(taken)
+
+
+def _gives_up_early(run: JudgedRun, robot: int) -> bool:
+    # Whether options let the third stage give up a spot that a few views do not show.
+    d_min_m, width_m = run.options["d_min_m"], run.bodies[robot].width_m
+    return run.options["max_views"] < DEFAULT_VIEWS or (d_min_m is not None and d_min_m > width_m)
+
+
+def _seen_from_near(run: JudgedRun) -> BaseGeometry:
+    # The arcs that any robot gave up as seen from near.
+    segments = [
+        segment
+        for closed in run.recording.of(ArcClosed)
+        if closed.reason == "seen from near"
+        for segment in closed.arc
+    ]
+    return shapely.MultiLineString(np.array(segments).reshape(-1, 2, 2).tolist())
 
 
 def _looked_from(run: JudgedRun, robot: int, names: list[NodeName]) -> BaseGeometry:

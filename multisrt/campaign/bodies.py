@@ -86,7 +86,7 @@ def body_of(text: str) -> Body:
 
     Examples
     --------
-    >>> body_of("disc:0.25").inscribed_m, body_of("box:0.6x0.4").inscribed_m
+    >>> body_of("disc:0.25").inscribed_m, round(body_of("box:0.6x0.4").inscribed_m, 9)
     (0.25, 0.2)
     """
     kind, _, numbers = text.partition(":")

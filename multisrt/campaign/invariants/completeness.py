@@ -192,7 +192,8 @@ def _left(
     obstacles = None
     if around_bodies_s is not None:
         obstacles = _bodies(run, robot, at_s - around_bodies_s, at_s)
-    only, looked = None, None
+    only: BaseGeometry | None = None
+    looked = None
     if run.family == "srt":
         looked = _looked_from(run, robot, names)
         own = [name for name in names if _root(run, name) == (robot, 0)]

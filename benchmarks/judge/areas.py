@@ -14,8 +14,8 @@ import shapely
 from shapely import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
-from benchmarks.judge.bodies import Body, bodies_of
 from benchmarks.judge.views import FloatArray, Views
+from multisrt.campaign.bodies import Body, bodies_of
 from multisrt.events import (
     ArcClosed,
     ArcReopened,

@@ -125,10 +125,11 @@ def _robot(rng: Generator, is_srt: bool, name: str) -> RobotSpec:
     if name != "self-bidding":
         kinds.append("reeds-shepp")
     kind = str(rng.choice(kinds))
+    turning = {"turning_radius_m": 0.4} if kind == "reeds-shepp" else {}
     drive = DriveSpec(
         kind=kind,  # type: ignore[arg-type]
         speed_m_s=float(rng.choice([0.4, 0.5, 0.8])),
-        turning_radius_m=0.4,
+        **turning,
     )
     beams = BEAMS[rng.integers(len(BEAMS))]
     finder = RangeFinderSpec(range_m=float(rng.choice(RANGES_M)), beams=beams)

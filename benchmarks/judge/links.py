@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 from shapely.geometry.base import BaseGeometry
 
-from benchmarks.judge.motions import Track
 from benchmarks.judge.views import FloatArray
+from multisrt.campaign.tracks import Track
 from multisrt.events import CameBack, Died, FellSilent, Joined
 from multisrt.recording import Recording
 from multisrt.spec import LateStart, RadioSpec

@@ -1,134 +1,23 @@
-"""Where bodies were at any time of a run, how far they drove, and how near they came."""
+"""How near bodies came to obstacles and to one another during a run."""
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections import defaultdict
 from collections.abc import Callable
 from typing import Final
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from shapely.geometry.base import BaseGeometry
 
-from benchmarks.judge.bodies import Body, bodies_of, placed
 from benchmarks.judge.views import FloatArray
-from multisrt.events import Motion
+from multisrt.campaign.bodies import Body, bodies_of, placed
+from multisrt.campaign.tracks import MIN_TURN_RAD, IntArray, Track
 from multisrt.recording import Recording
-
-IntArray = NDArray[np.int64]
-
-STEP_RAD: Final = 1e-3
-"""Maximum turn between two of the points by which an arc is measured."""
 
 FOUND_M: Final = 2e-5
 """Minimum distances are found to within this, in metres."""
-
-MIN_TURN_RAD: Final = 1e-12
-"""Legs that turn less are straight."""
-
-
-class Track:
-    """The motion of a robot, from 0 to the end of a run.
-
-    Between two waypoints of a motion the body turns about a fixed centre, or moves straight.
-
-    Parameters
-    ----------
-    start : (x, y, heading)
-        Where it starts.
-    motions : list of Motion
-        Its motions.
-    end_s : float
-        The end of the run.
-    """
-
-    def __init__(
-        self, start: tuple[float, float, float], motions: list[Motion], end_s: float
-    ) -> None:
-        legs: list[tuple[float, ...]] = []
-        time_s, pose = 0.0, start
-        for motion in sorted(motions, key=lambda motion: motion.time_s):
-            for at_s, *place in motion.waypoints[:1]:
-                legs.append((time_s, *pose, at_s, *pose))
-                self._require_same(pose, place)
-            for a, b in itertools.pairwise(motion.waypoints):
-                legs.append((*a, *b))
-            time_s, *place = motion.waypoints[-1]
-            pose = (place[0], place[1], place[2])
-        legs.append((time_s, *pose, max(end_s, time_s), *pose))
-        self.legs: FloatArray = np.array(legs)
-        chord = self.legs[:, 5:7] - self.legs[:, 1:3]
-        self.turns: FloatArray = self.legs[:, 7] - self.legs[:, 3]
-        self._curved = np.abs(self.turns) > MIN_TURN_RAD
-        half = np.where(self._curved, self.turns, math.pi) / 2.0
-        to_left = np.column_stack([-chord[:, 1], chord[:, 0]])
-        middle = (self.legs[:, 1:3] + self.legs[:, 5:7]) / 2.0
-        self._centres = middle + to_left / (2.0 * np.tan(half))[:, None]
-        still = (chord == 0.0).all(axis=1)
-        self._centres[still] = self.legs[still, 1:3]
-        self.lengths: FloatArray = np.array([self._length(k) for k in range(len(self.legs))])
-
-    @staticmethod
-    def _require_same(pose: tuple[float, float, float], place: list[float]) -> None:
-        if math.dist(pose[:2], place[:2]) > 1e-6:
-            raise ValueError(f"a motion begins at {place}, but the robot was at {pose}")
-
-    def on(self, which: IntArray, shares: FloatArray) -> FloatArray:
-        """Return the poses ``(n, 3)`` at shares, from 0 to 1, of some legs."""
-        legs, turn = self.legs[which], self.turns[which]
-        poses = legs[:, 1:4] + shares[:, None] * (legs[:, 5:8] - legs[:, 1:4])
-        arm = legs[:, 1:3] - self._centres[which]
-        cos, sin = np.cos(shares * turn), np.sin(shares * turn)
-        turned = self._centres[which] + np.column_stack(
-            [cos * arm[:, 0] - sin * arm[:, 1], sin * arm[:, 0] + cos * arm[:, 1]]
-        )
-        poses[:, :2] = np.where(self._curved[which][:, None], turned, poses[:, :2])
-        return poses
-
-    def at(self, times: FloatArray) -> FloatArray:
-        """Return the poses ``(n, 3)`` at some times."""
-        which = self.leg_at(times)
-        begin, end = self.legs[which, 0], self.legs[which, 4]
-        lasting = np.where(end > begin, end - begin, 1.0)
-        return self.on(which, np.clip((times - begin) / lasting, 0.0, 1.0))
-
-    def leg_at(self, times: FloatArray) -> IntArray:
-        """Return the last legs that have begun by some times."""
-        which = np.searchsorted(self.legs[:, 0], times, side="right") - 1
-        legs: IntArray = np.maximum(which, 0)
-        return legs
-
-    def rates(self, times: FloatArray, radius_m: float) -> FloatArray:
-        """Return how fast the points within a radius move at some times at most (m/s)."""
-        which = self.leg_at(times)
-        lasting = self.legs[which, 4] - self.legs[which, 0]
-        reach = self.lengths[which] + np.abs(self.turns[which]) * radius_m
-        rates: FloatArray = np.zeros_like(reach)
-        rates[lasting > 0.0] = reach[lasting > 0.0] / lasting[lasting > 0.0]
-        return rates
-
-    def along(self, leg: int, step_rad: float = STEP_RAD) -> FloatArray:
-        """Return poses ``(n, 3)`` along a leg; a step turns by at most an angle."""
-        steps = max(1, math.ceil(abs(self.turns[leg]) / step_rad))
-        return self.on(np.full(steps + 1, leg), np.linspace(0.0, 1.0, steps + 1))
-
-    def _length(self, leg: int) -> float:
-        steps = np.diff(self.along(leg)[:, :2], axis=0)
-        return float(np.hypot(*steps.T).sum())
-
-
-def tracks(recording: Recording) -> list[Track]:
-    """Return the track of each robot."""
-    motions: dict[int, list[Motion]] = defaultdict(list)
-    for motion in recording.of(Motion):
-        motions[motion.robot].append(motion)
-    return [
-        Track(start, motions[robot], recording.footer.time_s)
-        for robot, start in enumerate(recording.header.starts)
-    ]
 
 
 def clearance_m(recording: Recording, tracks: list[Track], free: BaseGeometry) -> float:

@@ -11,12 +11,13 @@ import shapely
 
 from benchmarks.judge.areas import KNOWN, Areas, World, areas
 from benchmarks.judge.links import STEP_S, Links, links
-from benchmarks.judge.motions import Track, between_robots_m, clearance_m, tracks
+from benchmarks.judge.motions import between_robots_m, clearance_m
 from multisrt.analysis.coverage import coverage
 from multisrt.analysis.evidence import evidence
 from multisrt.analysis.explorable import explorable, viewers
 from multisrt.analysis.measuring import measure
 from multisrt.analysis.metrics import Metrics
+from multisrt.campaign.tracks import Track, tracks
 from multisrt.environments.environment import Environment
 from multisrt.recording import Recording
 

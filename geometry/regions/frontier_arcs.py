@@ -142,9 +142,10 @@ def arc_ends(segments: FloatArray) -> FloatArray:
     labels, count = arc_labels(segments)
     ends = np.zeros((count, 5))
     begun = np.zeros(count, np.bool_)
-    # An arc over the boundary's closing begins in its last run; that run is visited first.
+    # An arc over the boundary's closing begins in its last run; that run is visited first. It may
+    # be the only arc, so that labels do not tell where it begins; around a whole ring none does.
     first = 0
-    while count > 1 and first < n and labels[0] == 0 and labels[n - 1 - first] == 0:
+    while first < n - 1 and _meets(segments, n - 1 - first, (n - first) % n):
         first += 1
     for step in range(n):
         i = (n - first + step) % n
@@ -155,6 +156,13 @@ def arc_ends(segments: FloatArray) -> FloatArray:
         ends[k, 2], ends[k, 3] = segments[i, 2], segments[i, 3]
         ends[k, 4] += np.hypot(segments[i, 2] - segments[i, 0], segments[i, 3] - segments[i, 1])
     return ends
+
+
+@kernel
+def _meets(segments: FloatArray, i: int, j: int) -> bool:
+    # Whether segment j begins where segment i ends.
+    gap = abs(segments[j, 0] - segments[i, 2]) + abs(segments[j, 1] - segments[i, 3])
+    return bool(gap <= JOINED_M)
 
 
 @kernel

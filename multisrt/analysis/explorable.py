@@ -159,7 +159,10 @@ def _roomy_parts(component: Polygon, footprint: Footprint) -> tuple[_Places, ...
     # nearer to the corner: coarse ones would let the body through gaps that are too narrow.
     radius_m = footprint.inscribed_radius_m
     segments = math.ceil(math.pi / 4.0 / math.acos(1.0 - min(1.0, ROUNDING_M / radius_m)))
-    eroded = component.buffer(ROUNDING_M - radius_m, quad_segs=segments)
+    # On a shape with a fixed precision, as generators make them, buffers are rounded to it, and may
+    # fail.
+    exact = shapely.from_wkb(shapely.to_wkb(component))
+    eroded = exact.buffer(ROUNDING_M - radius_m, quad_segs=segments)
     parts = (part for part in shapely.get_parts(eroded) if not part.is_empty)
     return tuple(_Places(component, part) for part in parts)
 

@@ -1,4 +1,4 @@
-"""What a campaign finds: an invariant that does not hold."""
+"""What broke in a run."""
 
 from __future__ import annotations
 
@@ -6,26 +6,29 @@ import msgspec
 
 
 class Violation(msgspec.Struct, frozen=True, kw_only=True):
-    """An invariant that does not hold in a run.
+    """An invariant that a run broke.
 
     Attributes
     ----------
     invariant : str
-        Name of the invariant, in kebab case.
+        Its name in `multisrt.campaign.invariants.INVARIANTS`, such as ``no-collision``.
     says : str
-        What broke, where and when, in one plain line.
+        One plain line: what broke, where, when.
     robot : int or None
-        The robot that it is about; None: no single one.
+        The robot that broke it, if it is one.
     time_s : float or None
-        When, in seconds from the start of the run; None: at no certain time.
+        When, in seconds from the start of the run, if it was at one moment.
 
     Examples
     --------
-    >>> Violation(invariant="no-collision", says="robot 1 touches a wall at 3.2 s", robot=1).robot
-    1
+    >>> print(Violation(invariant="ends", says="no reason is given", time_s=12.0))
+    ends: no reason is given
     """
 
     invariant: str
     says: str
     robot: int | None = None
     time_s: float | None = None
+
+    def __str__(self) -> str:
+        return f"{self.invariant}: {self.says}"

@@ -7,11 +7,12 @@ import pytest
 import shapely
 
 from benchmarks.judge.areas import World, both, together
-from benchmarks.judge.bodies import body_of
 from benchmarks.judge.command import Case, exceptions, table
-from benchmarks.judge.motions import Track, smallest
+from benchmarks.judge.motions import smallest
 from benchmarks.judge.verdict import Figure, judge, part_of
 from benchmarks.judge.views import Views, chords, cut_at_range
+from multisrt.campaign.bodies import body_of
+from multisrt.campaign.tracks import Track
 from multisrt.events import Motion
 from multisrt.simulation.simulate import simulate
 from multisrt.simulation.worlds import build_environment

@@ -1,63 +1,75 @@
-"""What must hold in every run, judged from its recording and the true world."""
+"""Invariants: what every run has to hold, judged from its recording and the true world.
+
+Each is an oracle of its own: it computes what it needs from the recorded motions, scans, messages
+and regions, and from the true free space, and asks neither the explorers nor the simulation
+whether they were right. Its docstring says what it demands, which tolerance it allows and why.
+
+Examples
+--------
+>>> import multisrt as ms
+>>> from multisrt.campaign.invariants import INVARIANTS, JudgedRun, check
+>>> run = ms.explore("open", robots=2, seed=1, max_time_s=20.0)
+>>> check(JudgedRun(recording=run.recording, environment=ms.environment("open")))
+[]
+>>> print(INVARIANTS["no-collision"].__doc__.splitlines()[0])
+Check that no body touches an obstacle or another body, at any time of the run.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from types import MappingProxyType
+from typing import Final
 
+from multisrt.campaign.invariants.collision import no_collision
+from multisrt.campaign.invariants.completeness import boxed_in_is_boxed_in, complete_is_complete
+from multisrt.campaign.invariants.endings import ends
+from multisrt.campaign.invariants.free_space import free_is_free
+from multisrt.campaign.invariants.knowledge import knowledge_by_scan_or_message
+from multisrt.campaign.invariants.links import messages_over_links
+from multisrt.campaign.invariants.measures import measures_consistent
+from multisrt.campaign.invariants.merging import merge_order
+from multisrt.campaign.invariants.motion import motion_continuous, motion_within_drive
+from multisrt.campaign.invariants.waiting import waits_within_limits
+from multisrt.campaign.judged_run import JudgedRun
 from multisrt.campaign.violations import Violation
-from multisrt.environments.environment import Environment
-from multisrt.events import Collision
-from multisrt.recording import Recording
 
+__all__ = ["INVARIANTS", "Invariant", "JudgedRun", "check"]
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class JudgedRun:
-    """A run that is judged.
+Invariant = Callable[[JudgedRun], Violation | None]
+"""Judges a run: returns the first violation in time, or None."""
 
-    Attributes
-    ----------
-    recording : Recording
-        All that happened.
-    environment : Environment
-        The world.
-    """
-
-    recording: Recording
-    environment: Environment
-
-
-Invariant = Callable[[JudgedRun], list[Violation]]
-"""Returns the violations of one invariant in a run; the first line of its docstring says what it
-demands."""
-
-
-def no_collision(run: JudgedRun) -> list[Violation]:
-    """No body touches a wall or another body."""
-    return [
-        Violation(
-            invariant="no-collision",
-            says=f"robot {event.robot} {event.account} at {event.time_s:g} s",
-            robot=event.robot,
-            time_s=event.time_s,
-        )
-        for event in run.recording.of(Collision)[:1]
-    ]
-
-
-def ends(run: JudgedRun) -> list[Violation]:
-    """Every run ends with a stated outcome and a reason."""
-    footer = run.recording.footer
-    if footer.outcome and footer.reason.strip():
-        return []
-    return [Violation(invariant="ends", says="the run ends without a reason", time_s=footer.time_s)]
-
-
-INVARIANTS: Mapping[str, Invariant] = MappingProxyType({"no-collision": no_collision, "ends": ends})
+INVARIANTS: Final[Mapping[str, Invariant]] = MappingProxyType(
+    {
+        "ends": ends,
+        "motion-continuous": motion_continuous,
+        "motion-within-drive": motion_within_drive,
+        "no-collision": no_collision,
+        "free-is-free": free_is_free,
+        "messages-over-links": messages_over_links,
+        "knowledge-by-scan-or-message": knowledge_by_scan_or_message,
+        "merge-order": merge_order,
+        "complete-is-complete": complete_is_complete,
+        "boxed-in-is-boxed-in": boxed_in_is_boxed_in,
+        "waits-within-limits": waits_within_limits,
+        "measures-consistent": measures_consistent,
+    }
+)
 """All invariants by name."""
 
 
 def check(run: JudgedRun) -> list[Violation]:
-    """Return the violations of all invariants in a run."""
-    return [violation for invariant in INVARIANTS.values() for violation in invariant(run)]
+    """Hold a run against all invariants.
+
+    Parameters
+    ----------
+    run : JudgedRun
+        The run.
+
+    Returns
+    -------
+    list of Violation
+        At most one for each invariant, in the order of `INVARIANTS`.
+    """
+    found = (invariant(run) for invariant in INVARIANTS.values())
+    return [violation for violation in found if violation is not None]

@@ -196,6 +196,12 @@ def robot_options(robot: FrontierRobot) -> RulesOptions:
     return robot.options
 
 
+def _nearest(middles: FloatArray, value: float, width: float) -> int:
+    # With few beams a robot may see nothing, and know only what others told it, far away: then it
+    # stands outside of its map.
+    return min(max(round((value - float(middles[0])) / width), 0), len(middles) - 1)
+
+
 def _middles(low: float, high: float, width: float) -> FloatArray:
     """Return the centres, along one axis, of the cells whose centres lie between two values.
 
@@ -255,13 +261,11 @@ def search(
     options = robot_options(robot)
     cells = survey.centres[survey.unexplored]
     if not everywhere:
-        width = options.search_cell_m
-        x0, y0 = survey.centres[0, 0].tolist()
         found = ring_search(
             ~survey.obstacle,
             survey.unexplored,
-            round((robot.at.y - y0) / width),
-            round((robot.at.x - x0) / width),
+            _nearest(survey.ys, robot.at.y, options.search_cell_m),
+            _nearest(survey.xs, robot.at.x, options.search_cell_m),
             math.ceil(options.enough_share * survey.unexplored.size),
         )
         cells = survey.centres[found[:, 0], found[:, 1]]

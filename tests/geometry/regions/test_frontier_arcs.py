@@ -11,9 +11,11 @@ from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.numerics.rings import Rings
 from multisrt.geometry.regions.boundary import CUT, GAP, OBSTACLE, RANGE
 from multisrt.geometry.regions.frontier_arcs import (
+    arc_ends,
     arc_labels,
     frontier_candidates,
     in_long_arcs,
+    is_wide_chain,
     total_length,
 )
 from multisrt.geometry.regions.safe_region import local_safe_region
@@ -210,6 +212,16 @@ def test_an_arc_may_run_over_the_end_of_the_list():
     labels, count = arc_labels(segments)
     assert labels.tolist() == [0, 1, 0]
     assert count == 2
+
+
+def test_the_only_arc_may_run_over_the_end_of_the_list():
+    # It begins with the last segment: another arc that begins at its end is joined to it.
+    only = np.array([[1.0, 0, 2, 0], [2, 0, 3, 0], [0, 0, 1, 0]])
+    assert arc_ends(only).tolist() == [[0.0, 0.0, 3.0, 0.0, 3.0]]
+    following = arc_ends(np.array([[3.0, 0, 3, 2]]))
+    ends = np.concatenate([arc_ends(only), following])
+    assert is_wide_chain(ends, 0, 5.0)
+    assert not is_wide_chain(ends, 0, 5.1)
 
 
 def test_a_closed_arc_is_one():

@@ -21,7 +21,10 @@ from multisrt.geometry.regions.edge_index import EdgeIndex
 from multisrt.geometry.regions.safe_region import local_safe_region
 from multisrt.geometry.regions.scan import take_scan
 from multisrt.geometry.regions.visibility import visibility_polygons
+from multisrt.simulation.worlds import build_environment
+from multisrt.spec import CatalogEnvironment
 
+START = Configuration(0.8, 6.0)
 DISC = Footprint.disc(0.25)
 FAR = 50.0
 
@@ -99,6 +102,18 @@ def test_a_body_that_barely_fits():
     lane = shapely.box(0, 0, 9, 0.5 + 1e-6)
     tight = what(lane, start=(1.0, 0.25 + 5e-7))
     assert tight.area_m2 == pytest.approx(4.5, abs=0.1)
+
+
+def test_shapes_with_a_fixed_precision_are_worlds_like_others():
+    # On this one, rounded to a millimetre as generators do it, GEOS gives an empty buffer.
+    parameters = {"size_m": 18.9, "obstacle_m": 2.96, "passage_m": 0.883}
+    spec = CatalogEnvironment(name="clutter", parameters=parameters, seed=7447)
+    world = build_environment(spec)
+    slim = Footprint.parse("polygon:-0.3,-0.113 0.065,0 -0.3,0.113")
+    team = ((slim, 4.0, START),)
+    again = Environment(world.name, shapely.from_wkb(shapely.to_wkb(world.free)))
+    assert shapely.get_precision(world.components[0]) > 0.0
+    assert explorable(world, team).area_m2 == explorable(again, team).area_m2 > 300.0
 
 
 def test_reachable_places_are_those_around_the_start():

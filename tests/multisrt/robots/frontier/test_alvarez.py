@@ -36,7 +36,14 @@ from multisrt.robots.frontier.progress import Event
 from multisrt.robots.frontier.robot import FrontierRobot
 from multisrt.robots.registry import strategy
 from multisrt.simulation.worlds import inline
-from multisrt.spec import RadioSpec, RobotSpec, RunSpec
+from multisrt.spec import (
+    CatalogEnvironment,
+    RadioSpec,
+    RangeFinderSpec,
+    RobotSpec,
+    RunSpec,
+    StopRule,
+)
 
 WALL = shapely.union_all([shapely.box(6, 0, 6.2, 2.5), shapely.box(6, 3.5, 6.2, 6)])
 TWO_ROOMS = Environment("two rooms", shapely.box(0, 0, 12, 6).difference(WALL), starts=[(1, 1)])
@@ -399,6 +406,18 @@ def test_other_strategies_say_nothing_of_aims():
     run = ms.explore(TWO_ROOMS, strategy="minpos", robots=2, seed=1)
     kinds = {e.kind for e in run.recording.events if isinstance(e, Sent)}
     assert not kinds & {"swap", "inaccessible"}
+
+
+def test_a_robot_that_sees_nothing_searches_from_the_nearest_cell():
+    # Eight beams show nothing for certain: robot 1 knows only what robot 0 tells it from afar.
+    blind = RobotSpec(start=(7.0, 7.0), range_finder=RangeFinderSpec(range_m=1.0, beams=8))
+    spec = RunSpec(
+        environment=CatalogEnvironment(name="open", parameters={"size_m": 8.0}),
+        strategy="rules",
+        robots=(RobotSpec(start=(1.0, 1.0)), blind),
+        stop=StopRule(max_time_s=20.0),
+    )
+    assert any(chosen.robot == 1 for chosen in ms.simulate(spec).of(GoalChosen))
 
 
 @pytest.mark.parametrize("name", ["rules", "utility", "self-bidding"])

@@ -1,4 +1,4 @@
-"""Bodies as their spec describes them."""
+"""Bodies as their spec describes them, without what the simulation computes of them."""
 
 from __future__ import annotations
 
@@ -6,11 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
-from benchmarks.judge.views import FloatArray
 from multisrt.spec import RunSpec
+
+FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -42,6 +44,17 @@ class Body:
             return self.radius_m
         return float(np.hypot(*shapely.get_coordinates(self.outline).T).max())
 
+    @property
+    def width_m(self) -> float:
+        """Width of the narrowest straight passage that the body fits through."""
+        if self.outline is None:
+            return 2.0 * self.radius_m
+        corners = shapely.get_coordinates(self.outline.convex_hull)
+        along = np.diff(corners, axis=0)
+        across = np.column_stack([-along[:, 1], along[:, 0]]) / np.hypot(*along.T)[:, None]
+        # The least extent is that across a side.
+        return float(np.ptp(corners @ across.T, axis=0).min())
+
     def pieces(self) -> list[FloatArray]:
         """Return triangles that make up a polygon, each ``(3, 2)``."""
         triangles = shapely.get_parts(shapely.constrained_delaunay_triangles(self.outline))
@@ -69,7 +82,13 @@ def bodies_of(spec: RunSpec) -> list[Body]:
 
 
 def body_of(text: str) -> Body:
-    """Return the body that a text describes: ``disc:R``, ``box:LxW`` or ``polygon:X,Y ...``."""
+    """Return the body that a text describes: ``disc:R``, ``box:LxW`` or ``polygon:X,Y ...``.
+
+    Examples
+    --------
+    >>> body_of("disc:0.25").inscribed_m, round(body_of("box:0.6x0.4").inscribed_m, 9)
+    (0.25, 0.2)
+    """
     kind, _, numbers = text.partition(":")
     if kind == "disc":
         return Body(radius_m=float(numbers), outline=None)

@@ -1,0 +1,311 @@
+"""Robots that say that nothing is left have left nothing, and those boxed in cannot get out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Final
+
+import numpy as np
+import shapely
+from shapely.geometry.base import BaseGeometry
+
+from multisrt.campaign.invariants.open_frontier import (
+    OpenFrontier,
+    Reach,
+    open_frontiers,
+    united,
+)
+from multisrt.campaign.judged_run import JudgedRun
+from multisrt.campaign.violations import Violation
+from multisrt.events import (
+    ArcClosed,
+    Blocked,
+    Coordinated,
+    Ended,
+    Learned,
+    NodeAdded,
+    NodeName,
+    Sent,
+)
+from multisrt.spec import RangeFinderSpec
+
+COMPLETE: Final = "complete-is-complete"
+BOXED_IN: Final = "boxed-in-is-boxed-in"
+
+SHARPEST_RAD: Final = math.radians(45.0)
+"""Corners of obstacles that may stand unseen between two beams are at least so wide."""
+
+BLIND: Final = 1.5
+"""Factor on what a laser leaves out beside a wall, for corners of two walls."""
+
+DEFAULT_VIEWS: Final = 3
+"""With fewer views of a spot (`max_views`) an arc may be given up that is not seen at all."""
+
+MIN_BEHIND_M2: Final = 0.05
+"""Smaller unknown parts are scraps."""
+
+CELLS_BEYOND: Final = 4.0
+"""A frontier is longer than the rules' minimum by so many cells, to be one on any raster."""
+
+SRT_SLACK_M: Final = 0.02
+"""A body of the SRT family keeps off walls by this much more than its margin, in metres."""
+
+SRT_LEAST_M: Final = 0.1
+"""A frontier of the SRT family is longer than a body is wide by this, in metres."""
+
+SRT_SCRAP_M: Final = 0.05
+"""Unknown parts between its regions that hold no disc of this radius are scraps, in metres."""
+
+BODY_SLACK_M: Final = 0.05
+"""Added to the distance that robots keep from bodies, in metres."""
+
+BELIEF_S: Final = 30.0
+"""For so long a robot of the SRT family may not know that a body has left, in seconds."""
+
+
+def complete_is_complete(run: JudgedRun) -> Violation | None:
+    """Check that a robot that left nothing, as it says, could have opened nothing it knew of.
+
+    Of each robot that lives and whose last end is complete, the regions of all nodes that it knew
+    then (in a complete run: at the end of the run) are united, and taken from the true free space
+    around its start. What is left is unknown to it. Its frontier is the part of the border of what
+    is unknown that is in sight, in the true map, of a place where its body can stand; that place is
+    joined to where the robot stands by places that are known and away from walls. The frontier that
+    is in sight without a break must be no longer than what its rules may leave:
+
+    - bidding: `min_frontier_m` (the body's width by default) and four cells. The body stands three
+      cells from it, as goals are cells at the frontier; paths are 1.5 cells from the unknown and
+      two cells and the margin from walls; unknown parts that hold no disc of a cell are scraps;
+    - SRT: the body's width and 0.1 m, within the range; the body is off walls and off the unknown
+      by its margin and 0.02 m, and off the other bodies at that time, as arcs behind bodies that
+      do not answer are left; only frontier of the robot's own tree counts, as trees of others are
+      left to others; it does not look from places that are nearer to a node than
+      `completion_spacing` times `d_min_m`, and 0.02 m; unknown parts that hold no disc of 0.05 m
+      are scraps.
+
+    Where `max_views` is less than 3, or `d_min_m` more than the body's width, arcs that were given
+    up as seen from near do not count either: so few views are allowed of so large a spot.
+
+    Unknown parts of less than 0.05 m2 are scraps as well, and with a laser what is so near to a
+    wall that its beams leave it out. Not judged are cars, whose turns are not worked out here:
+    they give up places to which they find no path; bidding robots with `shape=ball`, which drive
+    within the last ball, find no way in one that is as small as a wall is near, and give up all
+    goals; and SRT with `gaps_count=false`, which leaves gaps by its rules.
+
+    Cost: some overlays for each robot that says so.
+    """
+    for robot, end in sorted(run.ends.items(), key=lambda item: item[1].time_s):
+        if not end.complete or not _may_judge(run, robot):
+            continue
+        whole = run.recording.footer.outcome == "complete"
+        at_s = run.end_s if whole else end.time_s
+        names = known_at(run, robot, None if whole else end)
+        found = _left(run, robot, names, at_s, around_bodies_s=0.0 if run.family == "srt" else None)
+        if found:
+            return _violation(COMPLETE, robot, end, found[0])
+    return None
+
+
+def boxed_in_is_boxed_in(run: JudgedRun) -> Violation | None:
+    """Check that a robot boxed in, as it says, gets to no frontier past the bodies of others.
+
+    As for `complete_is_complete`, with the bodies of all other robots as obstacles: wherever they
+    were in the time for which the robot may have believed them to be there, 1.5 `body_stays_s`
+    of bidding robots and 30 s of SRT; with the distances of the protective stop, and a slack of
+    0.05 m or two cells. Robots that end as they and others too often failed to let each other pass
+    (`max_jams`; SRT: `gives_up_after`) may have a way, and are not judged.
+
+    Cost: some overlays for each robot that says so.
+    """
+    for robot, end in sorted(run.ends.items(), key=lambda item: item[1].time_s):
+        if not end.reason.startswith("boxed in") or not _may_judge(run, robot):
+            continue
+        if _is_jammed(run, robot, end):
+            continue
+        belief_s = BELIEF_S if run.family == "srt" else 1.5 * run.options["body_stays_s"]
+        names = known_at(run, robot, end)
+        found = _left(run, robot, names, end.time_s, around_bodies_s=belief_s)
+        if found:
+            return _violation(BOXED_IN, robot, end, found[0])
+    return None
+
+
+def _may_judge(run: JudgedRun, robot: int) -> bool:
+    if run.family == "other" or run.recording.spec.robots[robot].drive.is_car:
+        return False
+    if math.isfinite(run.present_s(robot)[1]):
+        return False
+    if run.family == "frontier":
+        return bool(run.options["shape"] != "ball")
+    return bool(run.options["gaps_count"])
+
+
+def _violation(name: str, robot: int, end: Ended, left: OpenFrontier) -> Violation:
+    (px, py), (sx, sy) = left.place, left.stand
+    return Violation(
+        invariant=name,
+        says=f"robot {robot} ended at {end.time_s:.2f} s ({end.reason}), but {left.length_m:.2f} m "
+        f"of frontier at ({px:.2f}, {py:.2f}), before {left.behind_m2:.2f} m2, are in sight of "
+        f"({sx:.2f}, {sy:.2f}), where it could go",
+        robot=robot,
+        time_s=end.time_s,
+    )
+
+
+def known_at(run: JudgedRun, robot: int, until: Ended | None) -> list[NodeName]:
+    """Return the nodes that a robot knew when it ended; in the end of the run, with None."""
+    names: dict[NodeName, None] = {}
+    for event in run.recording.events:
+        if event is until:
+            break
+        if event.robot != robot:
+            continue
+        if isinstance(event, NodeAdded):
+            names[robot, event.serial] = None
+        elif isinstance(event, Learned):
+            names.update(dict.fromkeys((name[0], name[1]) for name in event.nodes))
+    return list(names)
+
+
+def _left(
+    run: JudgedRun,
+    robot: int,
+    names: list[NodeName],
+    at_s: float,
+    *,
+    around_bodies_s: float | None,
+) -> list[OpenFrontier]:
+    """Return what a robot could still open at a time.
+
+    Parameters
+    ----------
+    run, robot, names
+        The run, the robot, and what it knows.
+    at_s : float
+        The time (s).
+    around_bodies_s : float or None
+        Since how long before that time bodies count as obstacles; None: they do not.
+    """
+    at = run.tracks[robot].at(np.array([at_s]))[0].tolist()
+    reach = reach_of(run, robot)
+    obstacles = None
+    if around_bodies_s is not None:
+        obstacles = _bodies(run, robot, at_s - around_bodies_s, at_s)
+    only: BaseGeometry | None = None
+    looked = None
+    if run.family == "srt":
+        looked = _looked_from(run, robot, names)
+        own = [name for name in names if _root(run, name) == (robot, 0)]
+        only = united(run, own).simplify(0.01).buffer(3.0 * reach.scrap_m, quad_segs=2)
+        if _gives_up_early(run, robot):
+            only = only.difference(_seen_from_near(run).buffer(3.0 * reach.scrap_m, quad_segs=2))
+    found = open_frontiers(
+        run, robot, names, reach, at, obstacles=obstacles, looked=looked, only=only
+    )
+    return [left for left in found if left.behind_m2 >= MIN_BEHIND_M2]
+
+
+def reach_of(run: JudgedRun, robot: int) -> Reach:
+    """Return how the rules of a robot limit where it goes, and what it takes as frontier."""
+    spec, body, options = run.recording.spec.robots[robot], run.bodies[robot], run.options
+    finder = spec.range_finder
+    # Regions of others, with other range finders, count as its own.
+    blind_m = max(_blind_m(robot.range_finder) for robot in run.recording.spec.robots)
+    width_m = body.width_m
+    if run.family == "srt":
+        off_m = body.circumscribed_m + options["margin_m"] + SRT_SLACK_M
+        return Reach(
+            off_walls_m=off_m,
+            off_unknown_m=off_m,
+            scrap_m=SRT_SCRAP_M,
+            blind_m=blind_m,
+            sees_m=finder.range_m - SRT_LEAST_M,
+            least_m=width_m + SRT_LEAST_M,
+        )
+    cell_m, least_m = options["cell_m"], options["min_frontier_m"]
+    return Reach(
+        # What a laser takes for a wall narrows passages on the raster.
+        off_walls_m=body.circumscribed_m + options["margin_m"] + 2.0 * cell_m + blind_m,
+        off_unknown_m=1.5 * cell_m,
+        scrap_m=cell_m,
+        blind_m=blind_m and blind_m + cell_m,
+        sees_m=min(3.0 * cell_m, finder.range_m),
+        least_m=(width_m if least_m is None else least_m) + CELLS_BEYOND * cell_m,
+    )
+
+
+def _blind_m(finder: RangeFinderSpec) -> float:
+    # How far beside a wall a laser takes for a wall what may not be one.
+    if finder.beams is None:
+        return 0.0
+    less = math.tan(math.pi / finder.beams) / math.tan(SHARPEST_RAD / 2.0)
+    return BLIND * finder.range_m * less
+
+
+def _bodies(run: JudgedRun, robot: int, begin_s: float, end_s: float) -> BaseGeometry:
+    # Where the others were from a time to another, grown by what the robot keeps off them.
+    options = run.options
+    slack_m = BODY_SLACK_M + 2.0 * options.get("cell_m", 0.0)
+    keep_m = run.bodies[robot].circumscribed_m + 1.2 * options["guard_m"] + slack_m
+    times = np.unique(np.append(np.arange(max(0.0, begin_s), end_s, 0.5), end_s))
+    taken = []
+    for other in run.robots:
+        if other != robot:
+            path = shapely.LineString(run.tracks[other].at(np.append(times, end_s))[:, :2])
+            taken.append(path.buffer(keep_m + run.bodies[other].circumscribed_m))
+    return shapely.union_all(taken)
+
+
+def _gives_up_early(run: JudgedRun, robot: int) -> bool:
+    # Whether options let the third stage give up a spot that a few views do not show.
+    d_min_m, width_m = run.options["d_min_m"], run.bodies[robot].width_m
+    return run.options["max_views"] < DEFAULT_VIEWS or (d_min_m is not None and d_min_m > width_m)
+
+
+def _seen_from_near(run: JudgedRun) -> BaseGeometry:
+    # The arcs that any robot gave up as seen from near.
+    segments = [
+        segment
+        for closed in run.recording.of(ArcClosed)
+        if closed.reason == "seen from near"
+        for segment in closed.arc
+    ]
+    return shapely.MultiLineString(np.array(segments).reshape(-1, 2, 2).tolist())
+
+
+def _looked_from(run: JudgedRun, robot: int, names: list[NodeName]) -> BaseGeometry:
+    # Around nodes, where the third stage of the planner of the SRT family takes no place.
+    d_min_m = run.options["d_min_m"]
+    if d_min_m is None:
+        share = 0.5 if run.recording.spec.strategy == "srt-ball" else 1.0
+        d_min_m = share * run.bodies[robot].width_m
+    places = shapely.points(np.array([run.nodes[name].configuration[:2] for name in names]))
+    near_m = run.options["completion_spacing"] * d_min_m + SRT_SLACK_M
+    return shapely.union_all(shapely.buffer(places, near_m))
+
+
+def _root(run: JudgedRun, name: NodeName) -> NodeName:
+    while (parent := run.nodes[name].parent) is not None:
+        name = parent[0], parent[1]
+    return name
+
+
+def _is_jammed(run: JudgedRun, robot: int, end: Ended) -> bool:
+    # Whether it may have ended as attempts to pass others failed too often.
+    tries = 0
+    for event in _until(run, end):
+        match event:
+            case Sent() if run.family == "frontier" and event.kind == "give way":
+                tries += event.robot == robot or robot in event.reached
+            case Blocked() | Coordinated() if run.family == "srt" and event.robot == robot:
+                tries += isinstance(event, Blocked) or event.order != "keep"
+    most: int = run.options["max_jams" if run.family == "frontier" else "gives_up_after"]
+    return tries >= most
+
+
+def _until(run: JudgedRun, end: Ended) -> Iterator[object]:
+    for event in run.recording.events:
+        if event is end:
+            return
+        yield event

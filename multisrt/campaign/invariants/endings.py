@@ -1,0 +1,92 @@
+"""Every run ends, says how and why, and what it says fits what its robots said."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final
+
+from multisrt.campaign.judged_run import ROUNDING_S, JudgedRun
+from multisrt.campaign.violations import Violation
+from multisrt.events import Collision, Died, Ended, Sent
+
+NAME: Final = "ends"
+
+EVENTS_PER_ROBOT: Final = 2_000
+"""Events of a robot that a run may have whatever its duration."""
+
+EVENTS_PER_ROBOT_S: Final = 100.0
+"""Events of a robot in a second, in the mean over a run, that are more than it can have use for."""
+
+WAITS_FOR_EVER: Final = "for a message that never comes"
+
+
+def ends(run: JudgedRun) -> Violation | None:
+    """Check that a run ends within a bound on events, with an outcome and a reason that fit.
+
+    It has at most 2,000 events for each robot, and 100 for each second and each robot; messages
+    count once for each robot of the team. The outcome is `complete` only if all robots that live
+    have ended completely; `out_of_time` only at the time limit; `stalled` not where robots wait
+    for a message that never comes, which nobody is to do. Reasons are not empty, nothing happens
+    after the end, and a run that has ended before its time limit ended with an event.
+
+    Cost: negligible.
+    """
+    return next((Violation(invariant=NAME, says=what) for what in _wrong(run)), None)
+
+
+def _wrong(run: JudgedRun) -> Iterator[str]:
+    recording, footer = run.recording, run.recording.footer
+    team, stop = len(run.robots), recording.spec.stop
+    most = team * (EVENTS_PER_ROBOT + EVENTS_PER_ROBOT_S * footer.time_s)
+    if len(recording.events) > most:
+        yield f"{len(recording.events)} events in {footer.time_s:.1f} s, more than {most:.0f}"
+    if footer.outcome not in ("complete", "stalled", "out_of_time"):
+        yield f"the outcome is {footer.outcome!r}"
+    if not footer.reason.strip():
+        yield f"the outcome is {footer.outcome}, without a reason"
+    if footer.time_s > stop.max_time_s + ROUNDING_S:
+        yield f"it ends at {footer.time_s:.2f} s, beyond its limit of {stop.max_time_s:g} s"
+    for end in recording.of(Ended):
+        if not end.reason.strip():
+            yield f"robot {end.robot} ends at {end.time_s:.2f} s without a reason"
+    last_s = max((event.time_s for event in recording.events), default=0.0)
+    if last_s > footer.time_s + ROUNDING_S:
+        yield f"something happens at {last_s:.2f} s, after the end at {footer.time_s:.2f} s"
+    yield from _misnamed(run)
+
+
+def _misnamed(run: JudgedRun) -> Iterator[str]:
+    recording, footer = run.recording, run.recording.footer
+    dead = {event.robot for event in recording.of(Died)}
+    living = [robot for robot in run.robots if robot not in dead]
+    is_at_limit = footer.time_s >= recording.spec.stop.max_time_s - ROUNDING_S
+    match footer.outcome:
+        case "complete":
+            if recording.of(Collision):
+                yield "the outcome is complete, with a collision"
+            for robot in living:
+                end = run.ends.get(robot)
+                if end is None or not end.complete:
+                    what = "has not ended" if end is None else f"ended incomplete ({end.reason})"
+                    yield f"the outcome is complete, but robot {robot} {what}"
+            if not living:
+                yield "the outcome is complete, but no robot lives"
+        case "out_of_time":
+            if not is_at_limit:
+                yield (
+                    f"the outcome is out_of_time at {footer.time_s:.2f} s, before the limit of "
+                    f"{recording.spec.stop.max_time_s:g} s"
+                )
+        case "stalled":
+            ended = [run.ends.get(robot) for robot in living]
+            is_complete = bool(living) and all(end is not None and end.complete for end in ended)
+            if is_complete and not recording.of(Collision) and not _waits_again(run):
+                yield "the outcome is stalled, but all robots that live ended completely"
+            if WAITS_FOR_EVER in footer.reason:
+                yield f"the outcome is stalled: {footer.reason}"
+
+
+def _waits_again(run: JudgedRun) -> bool:
+    # Whether something was on its way still: a robot that was called on, and did not end.
+    last_end_s = max(end.time_s for end in run.ends.values())
+    return any(event.time_s >= last_end_s for event in run.recording.of(Sent))

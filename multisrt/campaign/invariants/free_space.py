@@ -1,0 +1,97 @@
+"""What robots take as free is free, and was in sight from where it was noted."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import numpy as np
+import shapely
+from shapely.geometry.base import BaseGeometry
+
+from multisrt.campaign.bodies import FloatArray
+from multisrt.campaign.judged_run import JudgedRun
+from multisrt.campaign.violations import Violation
+from multisrt.events import NodeAdded
+from multisrt.spec import RobotSpec
+
+NAME: Final = "free-is-free"
+
+TOLERANCE_M: Final = 1e-5
+"""By how much a region may reach into an obstacle, or not be in sight, in metres."""
+
+RANGE_M: Final = 1e-3
+"""By how much a region may reach beyond the range, in metres."""
+
+
+def free_is_free(run: JudgedRun) -> Violation | None:
+    """Check that regions noted as known lie in the true free space, and are seen from within.
+
+    Every region is star-shaped about the place of its scan, to 1e-5 m, so that all of it was in
+    sight; it lies within the range of the range finder, to 1e-3 m; and in free space, grown by
+    1e-5 m. With a laser it may also hold obstacles that its beams missed: those that are within
+    half of the distance between two beams of free space, at the full range. Robots paint their
+    rasters with these regions, and merge those of others, so that nothing else is taken as free.
+
+    Cost: one test for each region; some milliseconds a run.
+    """
+    robots = run.recording.spec.robots
+    spaces: dict[float, BaseGeometry] = {}
+    for node in run.recording.of(NodeAdded):
+        spec = robots[node.robot]
+        corners = run.recording.region(node)
+        wrong = _not_seen(corners, node, spec)
+        if wrong is None:
+            slack_m = _slack_m(spec)
+            if slack_m not in spaces:
+                spaces[slack_m] = run.environment.free.buffer(slack_m)
+                shapely.prepare(spaces[slack_m])
+            wrong = _not_free(run, node, spaces[slack_m])
+        if wrong is not None:
+            return Violation(
+                invariant=NAME,
+                says=f"the region of node {node.serial} of robot {node.robot} at "
+                f"({node.configuration[0]:.3f}, {node.configuration[1]:.3f}), "
+                f"{node.time_s:.2f} s, {wrong}",
+                robot=node.robot,
+                time_s=node.time_s,
+            )
+    return None
+
+
+def _slack_m(spec: RobotSpec) -> float:
+    finder = spec.range_finder
+    between_m = 0.0 if finder.beams is None else finder.range_m * math.pi / finder.beams
+    return TOLERANCE_M + between_m
+
+
+def _not_seen(corners: FloatArray, node: NodeAdded, spec: RobotSpec) -> str | None:
+    arms = corners - np.array(node.configuration[:2])
+    following = np.roll(arms, -1, axis=0)
+    farthest_m = float(np.hypot(*arms.T).max())
+    if farthest_m > spec.range_finder.range_m + RANGE_M:
+        return f"reaches {farthest_m:.3f} m, beyond the range of {spec.range_finder.range_m:g} m"
+    # Seen from the place the corners follow one another counter-clockwise, once around.
+    lengths = np.hypot(*arms.T), np.hypot(*following.T)
+    areas = arms[:, 0] * following[:, 1] - arms[:, 1] * following[:, 0]
+    back = -areas / np.maximum(np.maximum(*lengths), TOLERANCE_M)
+    if float(back.max()) > TOLERANCE_M:
+        x, y = corners[int(np.argmax(back))].tolist()
+        return f"is not in sight as a whole: its border turns back at ({x:.3f}, {y:.3f})"
+    turned = float(np.arctan2(areas, (arms * following).sum(axis=1)).sum())
+    if abs(turned - 2.0 * math.pi) > 1e-3 and float(np.minimum(*lengths).min()) > TOLERANCE_M:
+        return f"goes round its place by {math.degrees(turned):.1f} degrees instead of 360"
+    return None
+
+
+def _not_free(run: JudgedRun, node: NodeAdded, space: BaseGeometry) -> str | None:
+    region = run.regions[node.robot, node.serial]
+    if shapely.covers(space, region):
+        return None
+    beyond = shapely.difference(shapely.make_valid(region), space)
+    pieces = [piece for piece in shapely.get_parts(beyond) if piece.area > TOLERANCE_M**2]
+    if not pieces:
+        return None
+    largest = max(pieces, key=lambda piece: float(piece.area))
+    x, y = largest.representative_point().coords[0]
+    return f"holds {beyond.area:.6f} m2 of obstacles, such as ({x:.3f}, {y:.3f})"

@@ -1,0 +1,200 @@
+"""Bodies move as their drives can, from where they are, and only while they take part."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator
+from typing import Any, Final
+
+import numpy as np
+
+from multisrt.campaign.bodies import FloatArray
+from multisrt.campaign.judged_run import JudgedRun
+from multisrt.campaign.violations import Violation
+from multisrt.events import (
+    BaseLearned,
+    Blocked,
+    Died,
+    Event,
+    Joined,
+    Motion,
+    Sensed,
+    Sent,
+)
+from multisrt.spec import DriveSpec
+
+WITHIN_DRIVE: Final = "motion-within-drive"
+CONTINUOUS: Final = "motion-continuous"
+
+ROUNDING_M: Final = 1e-6
+"""By how much a leg may be longer, or two motions apart, in metres."""
+
+SIDEWAYS_M: Final = 1e-5
+"""By how much a leg may lead to the side, in metres: curves of cars are found to within this."""
+
+ROUNDING_RAD: Final = 1e-6
+"""By how much a leg may turn more, in radians."""
+
+ROUNDING_S: Final = 1e-6
+"""By how much times may overlap, in seconds."""
+
+PLACE_M: Final = 1e-5
+"""Distance from where a robot is at which its scans and stops are noted, at most, in metres."""
+
+
+def motion_within_drive(run: JudgedRun) -> Violation | None:
+    """Check that every leg of a motion is one that the drive of the body can do.
+
+    No faster than its speed, and a differential drive turns no faster than its turn rate; it and a
+    car move along their heading, not to the side; a holonomic body keeps its heading; a car turns
+    on no smaller radius than its own, and a Dubins car never backwards. A leg may be longer by
+    1e-6 m, turn by 1e-6 rad more, and end 1e-5 m to the side, for rounding.
+
+    Cost: negligible.
+    """
+    found = [
+        violation
+        for motion in run.recording.of(Motion)
+        for violation in _beyond_drive(motion, run.recording.spec.robots[motion.robot].drive)
+    ]
+    return min(found, key=lambda violation: violation.time_s or 0.0, default=None)
+
+
+def _beyond_drive(motion: Motion, drive: DriveSpec) -> Iterator[Violation]:
+    points = np.array(motion.waypoints)
+    a, b = points[:-1], points[1:]
+    lasting, turns = b[:, 0] - a[:, 0], b[:, 3] - a[:, 3]
+    chords = np.hypot(*(b - a)[:, 1:3].T)
+    half = 0.5 * np.abs(turns)
+    curved = half > 1e-9
+    lengths = np.where(curved, chords * half / np.sin(np.where(curved, half, 1.0)), chords)
+    for k, what in _limits(drive, lasting, lengths, turns, chords, b - a, a[:, 3]):
+        yield Violation(
+            invariant=WITHIN_DRIVE,
+            says=f"robot {motion.robot} ({drive.kind}) {what} at {a[k, 0]:.2f} s, "
+            f"at ({a[k, 1]:.3f}, {a[k, 2]:.3f})",
+            robot=motion.robot,
+            time_s=float(a[k, 0]),
+        )
+
+
+def _limits(
+    drive: DriveSpec,
+    lasting: FloatArray,
+    lengths: FloatArray,
+    turns: FloatArray,
+    chords: FloatArray,
+    along: FloatArray,
+    headings: FloatArray,
+) -> Iterator[tuple[int, str]]:
+    """Yield the first leg beyond each limit, and what it does there."""
+    for k in np.flatnonzero(lengths > drive.speed_m_s * lasting + ROUNDING_M)[:1].tolist():
+        yield k, f"drives {lengths[k]:.4f} m in {lasting[k]:.4f} s, beyond {drive.speed_m_s:g} m/s"
+    if drive.kind == "holonomic":
+        for k in np.flatnonzero(np.abs(turns) > ROUNDING_RAD)[:1].tolist():
+            yield k, f"turns by {turns[k]:.4f} rad"
+        return
+    # A body that follows its heading on an arc moves, on the chord, along the mean heading.
+    mean = headings + 0.5 * turns
+    forwards = along[:, 1] * np.cos(mean) + along[:, 2] * np.sin(mean)
+    sideways = np.abs(along[:, 2] * np.cos(mean) - along[:, 1] * np.sin(mean))
+    for k in np.flatnonzero(sideways > SIDEWAYS_M)[:1].tolist():
+        yield k, f"moves {sideways[k]:.6f} m to the side"
+    if drive.kind == "differential":
+        rate = drive.turn_rate_rad_s
+        for k in np.flatnonzero(np.abs(turns) > rate * lasting + ROUNDING_RAD)[:1].tolist():
+            yield k, f"turns by {turns[k]:.4f} rad in {lasting[k]:.4f} s, beyond {rate:.4g} rad/s"
+        return
+    radius_m = drive.turning_radius_m
+    tight = np.abs(turns) * radius_m > lengths * (1.0 + ROUNDING_RAD) + ROUNDING_M
+    for k in np.flatnonzero(tight)[:1].tolist():
+        yield k, f"turns by {turns[k]:.4f} rad on {lengths[k]:.4f} m, tighter than {radius_m:g} m"
+    if drive.kind == "dubins":
+        for k in np.flatnonzero(forwards < -ROUNDING_M)[:1].tolist():
+            yield k, f"drives {-forwards[k]:.4f} m backwards"
+
+
+def motion_continuous(run: JudgedRun) -> Violation | None:
+    """Check that poses never jump, and that only robots that take part move, sense and send.
+
+    A motion begins where the last one ended, and not before; its waypoints lie in time from its
+    begin to the end of the run. Scans are taken, and robots stop and die, where their motions say
+    that they are, to 1e-5 m. Before a late start and after its death a robot does nothing.
+
+    Cost: negligible.
+    """
+    found = [*_jumps(run), *_out_of_place(run), *_out_of_time(run)]
+    return min(found, key=lambda violation: violation.time_s or 0.0, default=None)
+
+
+def _jumps(run: JudgedRun) -> Iterator[Violation]:
+    motions = run.by_robot(Motion)
+    for robot, start in enumerate(run.recording.header.starts):
+        time_s, pose = 0.0, start
+        for motion in sorted(motions[robot], key=lambda motion: motion.time_s):
+            begin_s, *place = motion.waypoints[0]
+            jump_m, turn = math.dist(pose[:2], place[:2]), _turn(pose[2], place[2])
+            if jump_m > ROUNDING_M or turn > ROUNDING_RAD:
+                yield _violation(
+                    robot, begin_s, f"jumps by {jump_m:.6f} m and {turn:.6f} rad before it moves"
+                )
+            if begin_s < time_s - ROUNDING_S or abs(begin_s - motion.time_s) > ROUNDING_S:
+                yield _violation(
+                    robot, begin_s, f"sets out while it moves still, until {time_s:.2f} s"
+                )
+            times = [waypoint[0] for waypoint in motion.waypoints]
+            if any(later < earlier for earlier, later in itertools.pairwise(times)):
+                yield _violation(robot, begin_s, "moves back in time")
+            time_s, x, y, heading = motion.waypoints[-1]
+            pose = (x, y, heading)
+        if time_s > run.end_s + ROUNDING_S:
+            yield _violation(robot, time_s, f"moves after the run has ended, at {run.end_s:.2f} s")
+
+
+def _out_of_place(run: JudgedRun) -> Iterator[Violation]:
+    placed: dict[int, list[Any]] = run.by_robot(Sensed, Died, Blocked)
+    for robot, events in placed.items():
+        poses = run.tracks[robot].at(np.array([event.time_s for event in events]))
+        for event, pose in zip(events, poses.tolist(), strict=True):
+            away_m = math.dist(pose[:2], event.configuration[:2])
+            turn = _turn(pose[2], event.configuration[2])
+            if away_m > PLACE_M or turn > PLACE_M:
+                yield _violation(
+                    robot,
+                    event.time_s,
+                    f"is {away_m:.6f} m and {turn:.6f} rad from where its {_name(event)} event is",
+                )
+
+
+def _out_of_time(run: JudgedRun) -> Iterator[Violation]:
+    bounds = [run.present_s(robot) for robot in run.robots]
+    for event in run.recording.events:
+        if event.robot >= len(bounds) or isinstance(event, BaseLearned):
+            continue  # what the base station does, perhaps with a message of one that has died
+        begin_s, end_s = bounds[event.robot]
+        last_s = event.waypoints[-1][0] if isinstance(event, Motion) else event.time_s
+        is_on = event.time_s >= begin_s - ROUNDING_S
+        if not is_on and not isinstance(event, Joined | Died):
+            what = f"has a {_name(event)} event before it is switched on, at {begin_s:.2f} s"
+            yield _violation(event.robot, event.time_s, what)
+        if last_s > end_s + ROUNDING_S or (isinstance(event, Sent) and event.time_s > end_s):
+            what = f"has a {_name(event)} event after its death at {end_s:.2f} s"
+            yield _violation(event.robot, last_s, what)
+
+
+def _violation(robot: int, time_s: float, what: str) -> Violation:
+    return Violation(
+        invariant=CONTINUOUS,
+        says=f"robot {robot} {what}, {time_s:.2f} s",
+        robot=robot,
+        time_s=time_s,
+    )
+
+
+def _name(event: Event) -> str:
+    return str(event.__struct_config__.tag)
+
+
+def _turn(one: float, other: float) -> float:
+    return abs(math.remainder(one - other, 2.0 * math.pi))

@@ -1,0 +1,222 @@
+"""What a robot could still have opened, worked out on the true map by overlays of polygons."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import shapely
+from shapely import LineString, MultiPolygon, Polygon
+from shapely.geometry.base import BaseGeometry
+
+from multisrt.campaign.bodies import FloatArray
+from multisrt.campaign.judged_run import JudgedRun
+from multisrt.events import NodeName
+
+GRID_M: Final = 1e-6
+"""Corners of overlays are rounded to multiples of this, in metres."""
+
+SPACING_M: Final = 0.1
+"""Distance of the points that stand for a frontier, in metres."""
+
+SIMPLER_M: Final = 2e-3
+"""Borders of what is known are simplified by this, a tenth of all slacks at most, in metres."""
+
+WALL_M: Final = 0.01
+"""What lies within this of a wall is the wall's, in metres."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OpenFrontier:
+    """A stretch of frontier that a body can see across.
+
+    Attributes
+    ----------
+    length_m : float
+        Its length.
+    behind_m2 : float
+        Area of the unknown part behind it.
+    place : (x, y)
+        Its middle.
+    stand : (x, y)
+        A place of the body's reference point from which it is seen.
+    """
+
+    length_m: float
+    behind_m2: float
+    place: tuple[float, float]
+    stand: tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Reach:
+    """How a robot's rules limit where it goes, and what it takes as frontier.
+
+    Attributes
+    ----------
+    off_walls_m : float
+        Distance of its reference point from walls that is more than enough for it.
+    off_unknown_m : float
+        The same from what it does not know.
+    scrap_m : float
+        Unknown parts that hold no disc of this radius are scraps.
+    blind_m : float
+        What is nearer to a wall may look like a wall to it: 0 for an exact range finder.
+    sees_m : float
+        From how far away it looks at a frontier.
+    least_m : float
+        Shorter stretches are none.
+    """
+
+    off_walls_m: float
+    off_unknown_m: float
+    scrap_m: float
+    blind_m: float
+    sees_m: float
+    least_m: float
+
+
+def open_frontiers(
+    run: JudgedRun,
+    robot: int,
+    names: Iterable[NodeName],
+    reach: Reach,
+    at: Sequence[float],
+    *,
+    obstacles: BaseGeometry | None = None,
+    looked: BaseGeometry | None = None,
+    only: BaseGeometry | None = None,
+) -> list[OpenFrontier]:
+    """Return what a robot could still open, by a map of regions, the longest first.
+
+    Parameters
+    ----------
+    run : JudgedRun
+        The run.
+    robot : int
+        The robot.
+    names : iterable of (robot, serial)
+        The nodes on its map.
+    reach : Reach
+        Where it can go, and what counts.
+    at : sequence of float
+        Where it stands: x and y come first.
+    obstacles : geometry, optional
+        Places where its reference point cannot be.
+    looked : geometry, optional
+        Places that count as looked from: it passes them, but does not look from there again.
+    only : geometry, optional
+        Where the frontier has to lie to be its own.
+    """
+    space = run.component(robot)
+    unknown, standing = run.once(
+        ("open frontier", shapely.to_wkb(space), reach, frozenset(names)),
+        lambda: _unknown_and_standing(run, space, names, reach),
+    )
+    if unknown.is_empty:
+        return []
+    if obstacles is not None:
+        standing = solid(standing.difference(obstacles))
+    standing = _part_at(standing, at, reach.off_walls_m)
+    if looked is not None:
+        standing = solid(standing.difference(looked))
+    if standing.is_empty:
+        return []
+    found = []
+    walls = run.once(
+        ("walls", shapely.to_wkb(space)), lambda: space.boundary.buffer(WALL_M, quad_segs=2)
+    )
+    for part in shapely.get_parts(unknown).tolist():
+        near = shapely.difference(part.boundary, walls)
+        if only is not None:
+            near = near.intersection(only)
+        for stretch in _stretches(near):
+            found += _seen(run, stretch, standing, reach, float(part.area))
+    return sorted(found, key=lambda one: -one.length_m)
+
+
+def _unknown_and_standing(
+    run: JudgedRun, space: Polygon, names: Iterable[NodeName], reach: Reach
+) -> tuple[BaseGeometry, BaseGeometry]:
+    # What is unknown in a space, and where the body can stand in what is known.
+    known = united(run, names).simplify(SIMPLER_M)
+    unknown = solid(shapely.difference(space, known, grid_size=GRID_M))
+    if reach.blind_m > 0.0:
+        unknown = solid(unknown.difference(space.boundary.buffer(reach.blind_m, quad_segs=4)))
+    unknown = unknown.buffer(-reach.scrap_m, quad_segs=4)
+    unknown = solid(unknown.buffer(reach.scrap_m * 0.999, quad_segs=4))
+    if unknown.is_empty:
+        return unknown, MultiPolygon()
+    standing = known.buffer(-reach.off_unknown_m, quad_segs=4)
+    roomy = space.buffer(-reach.off_walls_m, quad_segs=4)
+    return unknown, solid(standing.intersection(roomy).simplify(SIMPLER_M))
+
+
+def united(run: JudgedRun, names: Iterable[NodeName]) -> BaseGeometry:
+    """Return the union of the regions of nodes."""
+    return run.once(("united", frozenset(names)), lambda: _united(run, names))
+
+
+def _united(run: JudgedRun, names: Iterable[NodeName]) -> BaseGeometry:
+    regions = [run.regions[name] for name in names]
+    valid = [r if r.is_valid else solid(shapely.make_valid(r)) for r in regions]
+    return solid(shapely.union_all(valid, grid_size=GRID_M))
+
+
+def solid(shape: BaseGeometry) -> BaseGeometry:
+    """Return the polygons of a shape, without the points and lines at which others touch."""
+    if isinstance(shape, Polygon | MultiPolygon):
+        return shape
+    return MultiPolygon([p for p in shapely.get_parts(shape) if isinstance(p, Polygon)])
+
+
+def _part_at(standing: BaseGeometry, at: Sequence[float], within_m: float) -> BaseGeometry:
+    # The part from which the robot sets out, or nothing; it may stand a little outside of it.
+    here = shapely.Point(at[0], at[1])
+    parts = [part for part in shapely.get_parts(standing) if not part.is_empty]
+    near = [part for part in parts if part.distance(here) <= within_m]
+    return min(near, key=lambda part: float(part.distance(here)), default=MultiPolygon())
+
+
+def _stretches(lines: BaseGeometry) -> list[LineString]:
+    merged = lines
+    if lines.geom_type == "MultiLineString":
+        merged = shapely.line_merge(lines)
+    parts: list[BaseGeometry] = shapely.get_parts(merged).tolist()
+    return [part for part in parts if isinstance(part, LineString) and part.length > 0.0]
+
+
+def _seen(
+    run: JudgedRun, stretch: LineString, standing: BaseGeometry, reach: Reach, area_m2: float
+) -> list[OpenFrontier]:
+    # The longest run of points of a stretch that are in sight of the places next to them.
+    if stretch.length < reach.least_m:
+        return []
+    count = max(2, math.ceil(stretch.length / SPACING_M))
+    shares = (np.arange(count) + 0.5) / count
+    points = shapely.line_interpolate_point(stretch, shares, normalized=True)
+    sights = shapely.shortest_line(points, standing)
+    is_seen = (shapely.length(sights) <= reach.sees_m) & np.asarray(
+        shapely.covers(run.walls.grown, sights)
+    )
+    begin, length = _longest_run(is_seen)
+    length_m = length / count * float(stretch.length)
+    if length_m < reach.least_m:
+        return []
+    middle = begin + length // 2
+    ends: FloatArray = shapely.get_coordinates(sights[middle])
+    (px, py), (sx, sy) = ends[0].tolist(), ends[-1].tolist()
+    return [OpenFrontier(length_m=length_m, behind_m2=area_m2, place=(px, py), stand=(sx, sy))]
+
+
+def _longest_run(flags: Sequence[bool] | np.ndarray) -> tuple[int, int]:
+    best, begin = (0, 0), 0
+    for k, flag in enumerate([*flags, False]):
+        if not flag:
+            if k - begin > best[1]:
+                best = begin, k - begin
+            begin = k + 1
+    return best

@@ -1,0 +1,191 @@
+"""Nobody waits for longer than its limits say."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Final
+
+from multisrt.campaign.judged_run import JudgedRun
+from multisrt.campaign.violations import Violation
+from multisrt.events import (
+    CameBack,
+    Died,
+    Ended,
+    FellSilent,
+    Joined,
+    Learned,
+    Motion,
+    NodeAdded,
+    Organized,
+    PresumedLost,
+    Sent,
+)
+from multisrt.simulation.standstill import NOTHING_NEW
+from multisrt.spec import Silence
+
+NAME: Final = "waits-within-limits"
+
+SLACK: Final = 1.5
+"""Factor on the sum of all limits: they are counted in rounds, and a round may be longer."""
+
+SLACK_S: Final = 30.0
+"""Time besides, for the messages and short pauses between waits, in seconds."""
+
+MOVED_M: Final = 1e-3
+"""A motion that leads no farther is none, in metres and in radians."""
+
+
+def waits_within_limits(run: JudgedRun) -> Violation | None:
+    """Check that no team stands for longer than the limits of its waits together, or for ever.
+
+    A spell is a time in which, of all robots that take part and have not ended, none moves by more
+    than 1e-3 m or rad, notes or learns a node or ends, and no fault strikes, although at least one
+    of them has neither ended nor died. It may be as long as all waits that the strategy's options
+    allow one after the other, half as long again, and 30 s more; each request to give way in it
+    allows for a pause besides, and as many questions as `patience`. This holds for robots that wait
+    for a dead one, as these wait for nothing else. Of bidding robots that neither go in pairs or
+    chains nor pursue each other it holds for each robot by itself, whatever the others do; robots
+    of the SRT family wait for the end of others. A run that its stop rule ended as nothing new came
+    is a violation if the limits are shorter than it.
+
+    Cost: negligible.
+    """
+    if run.family == "other":
+        return None
+    teams = [list(run.robots)]
+    if run.family == "frontier" and _is_for_itself(run):
+        teams = [[robot] for robot in run.robots]
+    limit_s = limit(run)
+    for team in teams:
+        for begin_s, end_s in _spells(run, team):
+            allowed_s = limit_s + _asked(run, begin_s, end_s)
+            if end_s - begin_s > allowed_s:
+                return _violation(run, team, begin_s, end_s, allowed_s)
+    reason = run.recording.footer.reason
+    if NOTHING_NEW in reason and run.recording.spec.stop.max_idle_s >= limit_s:
+        return Violation(invariant=NAME, says=reason)
+    return None
+
+
+def _is_for_itself(run: JudgedRun) -> bool:
+    # Whether robots wait for one another only as their ways cross.
+    goes_alone = run.recording.spec.base is None or run.options["home"] not in ("relays", "chain")
+    return goes_alone and not run.options["pursue"]
+
+
+def _violation(
+    run: JudgedRun, team: list[int], begin_s: float, end_s: float, allowed_s: float
+) -> Violation:
+    waiting = _not_ended(run, team, begin_s)
+    many = len(waiting) > 1
+    named = f"robot{'s' * many} {', '.join(map(str, waiting))} {'have' if many else 'has'}"
+    who = "nobody does" if len(team) > 1 else f"robot {team[0]} does not do"
+    return Violation(
+        invariant=NAME,
+        says=f"{who} anything from {begin_s:.2f} s to {end_s:.2f} s, and {named} not ended; the "
+        f"limits allow {allowed_s:.0f} s",
+        robot=waiting[0],
+        time_s=begin_s,
+    )
+
+
+def limit(run: JudgedRun) -> float:
+    """Return for how long a team may stand without requests to give way, in seconds."""
+    options, radio = run.options, run.recording.spec.radio
+    period_s = options["ask_period_s"] + _round_s(run)
+    if run.family == "srt":
+        unheard = 1.0 - (1.0 - radio.loss) ** 2
+        patience = 1.0 if unheard == 0.0 else math.ceil(math.log(1e-6) / math.log(unheard))
+        silence_s = options["silence_timeout_s"] or patience * period_s
+        waits_s = (
+            options["max_rounds"] * period_s
+            + len(run.robots) * (silence_s + period_s)
+            + options["left_out_s"]
+            + options["check_period_s"]
+            + options["home_after_s"]
+            + options["settle_s"]
+            # Pauses without a path, and those of a robot that stands aside.
+            + options["boxed_in_after"] * options["pause_s"]
+            + (1 + options["jammed_after"]) * 1.5 * options["pause_s"]
+        )
+        if not radio.reaches_everywhere:
+            waits_s += options["take_over_after_s"]
+    else:
+        waits_s = options["max_waits"] * 1.5 * options["pause_s"] + options["body_stays_s"] * 1.5
+        if options["pursue"]:
+            waits_s += options["pursue_wait_s"] + options["pursue_steps"] * options["pursue_step_s"]
+    if run.recording.spec.base is not None:
+        # Home with news; pairs: at the place, at its backup, and for the time agreed on; chains:
+        # for a front that is not heard.
+        homes = {"never": 0.0, "relays": 6.0, "chain": 12.0}
+        waits_s += homes.get(options["home"], 3.0) * options["home_wait_s"]
+        waits_s += options["home_period_s"] if options["home"] == "relays" else 0.0
+    return SLACK * float(waits_s) + SLACK_S
+
+
+def _round_s(run: JudgedRun) -> float:
+    radio = run.recording.spec.radio
+    return 2.0 * (radio.latency_s + radio.jitter_s)
+
+
+def _asked(run: JudgedRun, begin_s: float, end_s: float) -> float:
+    """Return for how long a team may stand besides for requests to give way in a time."""
+    if run.family == "srt":
+        return 0.0
+    options = run.options
+    requests = sum(
+        begin_s <= sent.time_s <= end_s
+        for sent in run.recording.of(Sent)
+        if sent.kind == "give way"
+    )
+    each_s = 1.5 * options["pause_s"] + options["ask_period_s"] + _round_s(run)
+    return SLACK * requests * float(each_s)
+
+
+def _spells(run: JudgedRun, team: list[int]) -> Iterator[tuple[float, float]]:
+    """Yield the times from one thing that happens to the next, in which a robot waits."""
+    steps = sorted({0.0, *_happenings(run, team)})
+    last_s = steps[0]
+    for time_s in (*steps[1:], run.end_s):
+        if time_s > last_s and _not_ended(run, team, last_s):
+            yield last_s, time_s
+        last_s = max(last_s, time_s)
+
+
+def _happenings(run: JudgedRun, team: list[int]) -> Iterator[float]:
+    for event in run.recording.events:
+        match event:
+            case Died() | Joined() | FellSilent() | CameBack():
+                yield event.time_s
+            case Motion() if event.robot in team and _leads_on(event):
+                # While a robot moves, nobody waits in vain.
+                begin_s, end_s = event.waypoints[0][0], event.waypoints[-1][0]
+                steps = max(1, math.ceil((end_s - begin_s) / 10.0))
+                yield from (begin_s + k / steps * (end_s - begin_s) for k in range(steps + 1))
+            case NodeAdded() | Learned() | Ended() | PresumedLost() | Organized():
+                if event.robot in team:
+                    yield event.time_s
+    for fault in run.recording.spec.faults:
+        yield min(fault.time_s, run.end_s)
+        if isinstance(fault, Silence):
+            yield min(fault.time_s + fault.duration_s, run.end_s)
+
+
+def _leads_on(motion: Motion) -> bool:
+    _, *first = motion.waypoints[0]
+    return any(
+        math.dist(first[:2], (x, y)) > MOVED_M or abs(heading - first[2]) > MOVED_M
+        for _, x, y, heading in motion.waypoints[1:]
+    )
+
+
+def _not_ended(run: JudgedRun, team: list[int], time_s: float) -> list[int]:
+    """Return the robots that take part after a time, and have not ended by then."""
+    ended = {end.robot for end in run.recording.of(Ended) if end.time_s <= time_s}
+    found = []
+    for robot in team:
+        on_s, dead_s = run.present_s(robot)
+        if on_s <= time_s < dead_s and robot not in ended:
+            found.append(robot)
+    return found

@@ -1,0 +1,210 @@
+"""A run to be judged: its recording and its world, with what several invariants need of them."""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from collections.abc import Callable, Hashable, Mapping
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import Any, Final, TypeVar
+
+import msgspec
+import numpy as np
+import shapely
+from shapely import Polygon
+from shapely.geometry.base import BaseGeometry
+
+from multisrt.campaign.bodies import Body, FloatArray, bodies_of
+from multisrt.campaign.tracks import Track, tracks
+from multisrt.environments.environment import Environment
+from multisrt.events import Died, Ended, Joined, Learned, NodeAdded, NodeName
+from multisrt.recording import Recording
+from multisrt.robots.registry import strategy
+from multisrt.spec import LateStart
+
+T = TypeVar("T")
+
+ROUNDING_S: Final = 1e-6
+"""Times that differ by less are one, in seconds."""
+
+ROUNDING_M: Final = 1e-6
+"""Lengths that differ by less are one, in metres."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Walls:
+    """The true free space, and its border as single walls.
+
+    Attributes
+    ----------
+    free : geometry
+        Free space, prepared.
+    grown : geometry
+        Free space with `ROUNDING_M` of what surrounds it, prepared.
+    tree : STRtree
+        The walls, as lines of two points.
+    """
+
+    free: BaseGeometry
+    grown: BaseGeometry
+    tree: shapely.STRtree
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class JudgedRun:
+    """A run to be judged.
+
+    Attributes
+    ----------
+    recording : Recording
+        What happened.
+    environment : Environment
+        The world in which it did.
+
+    Examples
+    --------
+    >>> import multisrt as ms
+    >>> run = ms.explore("open", seed=1, max_time_s=10.0)
+    >>> judged = JudgedRun(recording=run.recording, environment=ms.environment("open"))
+    >>> len(judged.tracks), judged.present_s(0)
+    (1, (0.0, inf))
+    """
+
+    recording: Recording
+    environment: Environment
+    _shared: dict[Hashable, Any] = field(default_factory=dict, init=False, repr=False)
+
+    def once(self, name: Hashable, compute: Callable[[], T]) -> T:
+        """Return what a function computes; what it returned before under the same name."""
+        if name not in self._shared:
+            self._shared[name] = compute()
+        found: T = self._shared[name]
+        return found
+
+    @property
+    def robots(self) -> range:
+        """The numbers of the robots."""
+        return range(len(self.recording.spec.robots))
+
+    @property
+    def end_s(self) -> float:
+        """When the run ended, in seconds."""
+        return self.recording.footer.time_s
+
+    @property
+    def family(self) -> str:
+        """``srt`` for Multi-SRT, ``frontier`` for bidding, ``other`` for all else."""
+        name = self.recording.spec.strategy
+        if name.startswith("srt-"):
+            return "srt"
+        return "other" if name == "informed" or ":" in name else "frontier"
+
+    @property
+    def options(self) -> Mapping[str, Any]:
+        """The options of the strategy, with their defaults."""
+        return self.once("options", self._options)
+
+    def _options(self) -> Mapping[str, Any]:
+        spec = self.recording.spec
+        given = msgspec.convert(spec.options, strategy(spec.strategy).options, strict=False)
+        return msgspec.structs.asdict(given)
+
+    @property
+    def walls(self) -> Walls:
+        """The true free space."""
+        return walls_of(self.environment)
+
+    @property
+    def bodies(self) -> list[Body]:
+        """The body of each robot."""
+        return self.once("bodies", lambda: bodies_of(self.recording.spec))
+
+    @property
+    def tracks(self) -> list[Track]:
+        """The track of each robot."""
+        return self.once("tracks", lambda: tracks(self.recording))
+
+    def present_s(self, robot: int) -> tuple[float, float]:
+        """Return from when to when a robot takes part: it is on, and not dead."""
+        return self.once("present", self._present_s)[robot]
+
+    def _present_s(self) -> list[tuple[float, float]]:
+        late = {f.robot for f in self.recording.spec.faults if isinstance(f, LateStart)}
+        begins = {joined.robot: joined.time_s for joined in self.recording.of(Joined)}
+        ends = {died.robot: died.time_s for died in self.recording.of(Died)}
+        return [
+            (begins.get(robot, math.inf if robot in late else 0.0), ends.get(robot, math.inf))
+            for robot in self.robots
+        ]
+
+    @property
+    def ends(self) -> dict[int, Ended]:
+        """The last end of each robot that has ended."""
+        return {end.robot: end for end in self.recording.of(Ended)}
+
+    @property
+    def nodes(self) -> dict[NodeName, NodeAdded]:
+        """All nodes by name."""
+        return self.once(
+            "nodes", lambda: {(n.robot, n.serial): n for n in self.recording.of(NodeAdded)}
+        )
+
+    @property
+    def regions(self) -> dict[NodeName, Polygon]:
+        """The region of each node."""
+        return self.once("regions", self._regions)
+
+    def _regions(self) -> dict[NodeName, Polygon]:
+        region = self.recording.region
+        return {name: Polygon(region(node)) for name, node in self.nodes.items()}
+
+    @property
+    def known(self) -> list[dict[NodeName, float]]:
+        """For each robot when it came to know which node, as it said itself."""
+        return self.once("known", self._known)
+
+    def _known(self) -> list[dict[NodeName, float]]:
+        known: list[dict[NodeName, float]] = [{} for _ in self.robots]
+        for event in self.recording.events:
+            match event:
+                case NodeAdded():
+                    known[event.robot].setdefault((event.robot, event.serial), event.time_s)
+                case Learned():
+                    for name in event.nodes:
+                        known[event.robot].setdefault((name[0], name[1]), event.time_s)
+        return known
+
+    def component(self, robot: int) -> Polygon:
+        """Return the connected part of free space in which a robot starts."""
+        x, y, _ = self.recording.header.starts[robot]
+        parts: list[Polygon] = shapely.get_parts(self.environment.free).tolist()
+        return min(parts, key=lambda part: float(part.distance(shapely.Point(x, y))))
+
+    def by_robot(self, *kinds: type) -> dict[int, list[Any]]:
+        """Return the events of some kinds of each robot, in the order of the recording."""
+        found: dict[int, list[Any]] = defaultdict(list)
+        for event in self.recording.events:
+            if isinstance(event, kinds):
+                found[event.robot].append(event)
+        return found
+
+
+@lru_cache(maxsize=8)
+def walls_of(environment: Environment) -> Walls:
+    """Return the walls of a world; they are kept for the next run in it."""
+    free = shapely.MultiPolygon(environment.free)
+    grown = free.buffer(ROUNDING_M, quad_segs=1)
+    shapely.prepare(free)
+    shapely.prepare(grown)
+    return Walls(free=free, grown=grown, tree=shapely.STRtree(segments_of(free)))
+
+
+def segments_of(area: BaseGeometry) -> list[BaseGeometry]:
+    """Return the edges of an area as lines of two points."""
+    lines: list[FloatArray] = []
+    for ring in shapely.get_rings(shapely.get_parts(area)):
+        points = shapely.get_coordinates(ring)
+        lines.append(np.stack([points[:-1], points[1:]], axis=1))
+    found: list[BaseGeometry] = np.asarray(shapely.linestrings(np.concatenate(lines))).tolist()
+    return found

@@ -1,0 +1,655 @@
+"""Good runs hold all invariants; runs that were tampered with break the one that is meant."""
+
+import dataclasses
+import math
+
+import msgspec
+import numpy as np
+import pytest
+import shapely
+
+from multisrt.analysis.measuring import measure_with_curves
+from multisrt.campaign.invariants import INVARIANTS, JudgedRun, check, measures, merging
+from multisrt.environments.environment import Environment
+from multisrt.events import (
+    Collision,
+    Died,
+    Ended,
+    GoalChosen,
+    Learned,
+    Motion,
+    NodeAdded,
+    Sensed,
+    Sent,
+)
+from multisrt.geometry.grids.occupancy import Occupancy
+from multisrt.robots.exploration_map import ExplorationMap
+from multisrt.simulation.simulate import simulate
+from multisrt.simulation.worlds import build_environment
+from multisrt.spec import (
+    BaseSpec,
+    CatalogEnvironment,
+    Death,
+    DriveSpec,
+    LateStart,
+    RadioSpec,
+    RangeFinderSpec,
+    RobotSpec,
+    RunSpec,
+    Silence,
+    StopRule,
+)
+from tests.multisrt.campaign import sampled_runs
+from tests.multisrt.campaign.tampering import ROOM, changed, drive, once, written
+
+replace = msgspec.structs.replace
+
+OPEN = CatalogEnvironment(name="open", parameters={"size_m": 8.0})
+
+
+def executed(spec: RunSpec) -> JudgedRun:
+    environment = build_environment(spec.environment)
+    return JudgedRun(recording=simulate(spec, environment), environment=environment)
+
+
+@pytest.fixture(scope="module")
+def bids() -> JudgedRun:
+    """Three robots that bid, one of which dies, with a radio that walls block, and a base."""
+    return executed(
+        RunSpec(
+            environment=OPEN,
+            strategy="minpos",
+            robots=(RobotSpec(), RobotSpec(), RobotSpec(footprint="box:0.5x0.3")),
+            radio=RadioSpec(range_m=5.0, walls="block", latency_s=0.1),
+            base=BaseSpec(x=1.0, y=1.0),
+            faults=(Death(robot=1, time_s=9.0),),
+            seed=3,
+        )
+    )
+
+
+@pytest.fixture(scope="module")
+def srt() -> JudgedRun:
+    """Two robots of the SRT family."""
+    return executed(RunSpec(environment=OPEN, robots=(RobotSpec(),) * 2, seed=3))
+
+
+def broken(run: JudgedRun, name: str) -> str:
+    """Return what a run says of an invariant that it breaks; empty if it holds it."""
+    violation = INVARIANTS[name](run)
+    if violation is None:
+        return ""
+    assert violation.invariant == name
+    assert "\n" not in violation.says
+    return violation.says
+
+
+# Good runs -----------------------------------------------------------------------------------
+
+
+def test_good_runs_hold_all_invariants(bids, srt):
+    assert bids.recording.footer.outcome == srt.recording.footer.outcome == "complete"
+    assert check(bids) == check(srt) == []
+
+
+@pytest.mark.parametrize("number", range(20))
+def test_sampled_runs_hold_all_invariants(number):
+    recording, environment = sampled_runs.run(11, number)
+    assert check(JudgedRun(recording=recording, environment=environment)) == []
+
+
+def test_every_invariant_is_described():
+    for name, invariant in INVARIANTS.items():
+        assert name == name.lower() == name.replace(" ", "-").replace("_", "-")
+        first = (invariant.__doc__ or "").splitlines()[0]
+        assert first.startswith("Check that ")
+        assert first.endswith(".")
+        assert "Cost:" in (invariant.__doc__ or "")
+
+
+# Collisions ----------------------------------------------------------------------------------
+
+
+def test_a_disc_that_drives_into_a_wall_collides():
+    into = written([drive(0, (0.0, 2.0, 1.5, 0.0), (10.0, 3.76, 1.5, 0.0))])
+    beside = written([drive(0, (0.0, 2.0, 1.5, 0.0), (10.0, 3.74, 1.5, 0.0))])
+    assert "robot 0 touches an obstacle" in broken(into, "no-collision")
+    assert not broken(beside, "no-collision")
+
+
+def test_a_disc_on_an_arc_touches_a_wall_between_waypoints():
+    # Half a circle of 1.3 m around (2, 1.5): a disc of 0.25 m reaches up to 3.05 m.
+    start = (3.3, 1.5, math.pi / 2)
+    up = drive(0, (0.0, *start), (9.0, 0.7, 1.5, 1.5 * math.pi))
+    higher = Environment("higher", shapely.box(0.0, 0.0, 4.0, 3.06))
+    assert "touches" in broken(written([up], starts=(start,)), "no-collision")
+    assert not broken(written([up], starts=(start,), environment=higher), "no-collision")
+
+
+@pytest.mark.parametrize(("y", "touches"), [(0.45, True), (0.52, False)])
+def test_a_box_that_turns_touches_a_wall_between_its_poses(y, touches):
+    # It is 1 m long: free along the wall before and after half a turn, but not across it.
+    turn = drive(0, (0.0, 2.0, y, 0.0), (4.0, 2.0, y, math.pi))
+    run = written([turn], starts=((2.0, y, 0.0),), robots=(RobotSpec(footprint="box:1.0x0.2"),))
+    assert bool(broken(run, "no-collision")) is touches
+
+
+@pytest.mark.parametrize(("y", "touches"), [(0.09, True), (0.11, False)])
+def test_a_box_that_drives_along_a_wall(y, touches):
+    along = drive(0, (0.0, 1.0, y, 0.0), (4.0, 3.0, y, 0.0))
+    run = written([along], starts=((1.0, y, 0.0),), robots=(RobotSpec(footprint="box:1.0x0.2"),))
+    assert bool(broken(run, "no-collision")) is touches
+
+
+@pytest.mark.parametrize(("later_s", "meet"), [(0.0, True), (1.0, True), (1.1, False)])
+def test_discs_meet_at_a_time(later_s, meet):
+    # Both cross (2, 1.5): a disc is 0.5 m wide, and 0.7072 s of a diagonal crossing at 0.5 m/s.
+    one = drive(0, (0.0, 0.5, 1.5, 0.0), (6.0, 3.5, 1.5, 0.0))
+    other = drive(1, (later_s, 2.0, 0.5, 1.57), (later_s + 4.0, 2.0, 2.5, 1.57))
+    # The second one crosses at later_s + 2 s, the first one at 3 s.
+    run = written([one, other], starts=((0.5, 1.5, 0.0), (2.0, 0.5, 1.57)))
+    apart_m = 0.5 * abs(3.0 - (later_s + 2.0)) / math.sqrt(2.0)
+    assert (apart_m < 0.5) is bool(broken(run, "no-collision"))
+    assert meet or later_s > 1.0
+
+
+def test_boxes_that_overlap_while_they_stand_collide():
+    boxes = (RobotSpec(footprint="box:1.0x0.2"),) * 2
+    over = written(starts=((1.0, 1.5, 0.0), (1.9, 1.5, 0.0)), robots=boxes)
+    beside = written(starts=((1.0, 1.5, 0.0), (1.0, 1.71, 0.0)), robots=boxes)
+    assert "robots 0 and 1 overlap" in broken(over, "no-collision")
+    assert not broken(beside, "no-collision")
+
+
+def test_a_pose_in_a_wall_is_found_in_a_run(bids):
+    def into_the_wall(motion: Motion) -> Motion:
+        time_s, _, y, heading = motion.waypoints[-1]
+        return replace(motion, waypoints=(*motion.waypoints[:-1], (time_s, -0.1, y, heading)))
+
+    assert "obstacle" in broken(changed(bids, once(Motion, into_the_wall, 4)), "no-collision")
+
+
+def test_a_recorded_collision_is_one(bids):
+    event = Collision(time_s=3.0, robot=2, configuration=(1, 1, 0), account="touched a cat")
+    assert broken(changed(bids, extra=[event]), "no-collision").startswith("robot 2 touched a cat")
+
+
+@pytest.mark.parametrize(("beams", "seen", "touches"), [(180, 4.0, True), (180, 3.0, False)])
+def test_a_wall_that_a_laser_missed_is_not_known(beams, seen, touches):
+    # The robot drives into the right wall, which its region reaches over, or not.
+    robots = (RobotSpec(range_finder=RangeFinderSpec(beams=beams)),)
+    narrower = Environment("narrower", shapely.box(0.0, 0.0, seen, 3.0))
+    node = NodeAdded(
+        time_s=0.0,
+        robot=0,
+        serial=0,
+        parent=None,
+        configuration=(2.0, 1.5, 0.0),
+        stage="root",
+        boundary=((0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0)),
+        tags="0000",
+    )
+    move = drive(0, (0.0, 2.0, 1.5, 0.0), (10.0, seen - 0.2, 1.5, 0.0))
+    run = written([node, move], environment=narrower, robots=robots)
+    assert bool(broken(run, "no-collision")) is touches
+
+
+# Motions -------------------------------------------------------------------------------------
+
+
+def test_a_doubled_speed_is_beyond_the_drive(bids, srt):
+    def faster(motion: Motion) -> Motion:
+        begin_s = motion.time_s
+        half = [(begin_s + 0.5 * (w[0] - begin_s), *w[1:]) for w in motion.waypoints]
+        return replace(motion, waypoints=tuple(half))
+
+    for run in (bids, srt):
+        assert "beyond" in broken(changed(run, once(Motion, faster, 2)), "motion-within-drive")
+
+
+@pytest.mark.parametrize(
+    ("kind", "waypoints", "what"),
+    [
+        ("differential", ((0.0, 2.0, 1.5, 0.0), (2.0, 2.5, 1.6, 0.0)), "to the side"),
+        ("differential", ((0.0, 2.0, 1.5, 0.0), (2.0, 2.0, 1.5, 4.0)), "beyond 1.571 rad/s"),
+        ("differential", ((0.0, 2.0, 1.5, 0.0), (2.0, 1.5, 1.5, 0.0)), ""),
+        ("holonomic", ((0.0, 2.0, 1.5, 0.0), (2.0, 2.5, 1.6, 0.0)), ""),
+        ("holonomic", ((0.0, 2.0, 1.5, 0.0), (2.0, 2.0, 1.5, 0.1)), "turns by"),
+        ("reeds-shepp", ((0.0, 2.0, 1.5, 0.0), (2.0, 2.0, 1.5, 0.1)), "tighter than 0.5 m"),
+        ("reeds-shepp", ((0.0, 2.0, 1.5, 0.0), (2.0, 1.5, 1.5, 0.0)), ""),
+        ("dubins", ((0.0, 2.0, 1.5, 0.0), (2.0, 1.5, 1.5, 0.0)), "backwards"),
+        (
+            "dubins",
+            ((0.0, 2.0, 1.0, 0.0), (2.0, 2.5, 1.5, math.pi / 2)),
+            "",
+        ),
+        (
+            "dubins",
+            ((0.0, 2.0, 1.0, 0.0), (2.0, 2.4, 1.4, math.pi / 2)),
+            "tighter than",
+        ),
+    ],
+)
+def test_each_drive_has_its_limits(kind, waypoints, what):
+    radius = {"turning_radius_m": 0.5} if kind in ("dubins", "reeds-shepp") else {}
+    robots = (RobotSpec(drive=DriveSpec(kind=kind, **radius)),)
+    said = broken(written([drive(0, *waypoints)], robots=robots), "motion-within-drive")
+    assert what in said
+    assert bool(what) is bool(said)
+
+
+def test_poses_do_not_jump(bids):
+    def jump(motion: Motion) -> Motion:
+        time_s, x, y, heading = motion.waypoints[0]
+        return replace(motion, waypoints=((time_s, x + 0.01, y, heading), *motion.waypoints[1:]))
+
+    assert "jumps by 0.01" in broken(changed(bids, once(Motion, jump, 3)), "motion-continuous")
+
+
+def test_a_left_out_motion_is_a_jump(bids):
+    assert "jumps" in broken(changed(bids, once(Motion, lambda _: None, 3)), "motion-continuous")
+
+
+def test_nobody_moves_when_dead_or_before_a_late_start():
+    move = drive(0, (5.0, 2.0, 1.5, 0.0), (6.0, 2.5, 1.5, 0.0))
+    died = Died(time_s=5.5, robot=0, configuration=(2.25, 1.5, 0.0), doing="moving")
+    late = (LateStart(robot=0, time_s=8.0),)
+    assert "after its death" in broken(written([move, died]), "motion-continuous")
+    assert "before it is switched on" in broken(written([move], faults=late), "motion-continuous")
+    assert not broken(written([move]), "motion-continuous")
+    early = Died(time_s=2.0, robot=0, configuration=(2.0, 1.5, 0.0), doing="waiting")
+    assert not broken(written([early], faults=late), "motion-continuous")
+
+
+def test_scans_are_taken_where_the_robot_is(bids):
+    def elsewhere(scan: Sensed) -> Sensed:
+        x, y, heading = scan.configuration
+        return replace(scan, configuration=(x, y + 1e-3, heading))
+
+    said = broken(changed(bids, once(Sensed, elsewhere, 9)), "motion-continuous")
+    assert "where its sensed event is" in said
+
+
+# Free space ----------------------------------------------------------------------------------
+
+
+def test_an_enlarged_region_is_not_free(bids, srt):
+    def larger(node: NodeAdded) -> NodeAdded:
+        x, y, _ = node.configuration
+        boundary = tuple((x + 1.02 * (a - x), y + 1.02 * (b - y)) for a, b in node.boundary)
+        return replace(node, boundary=boundary)
+
+    for run in (bids, srt):
+        said = broken(changed(run, once(NodeAdded, larger, 1)), "free-is-free")
+        assert "obstacles" in said or "beyond the range" in said
+
+
+def test_a_region_behind_a_corner_was_not_in_sight():
+    # An L: the place sees the lower arm; the upper one is behind the corner.
+    ell = Environment("L", shapely.box(0, 0, 4, 1).union(shapely.box(3, 0, 4, 3)))
+    whole = ((0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (3.0, 3.0), (3.0, 1.0), (0.0, 1.0))
+    for corners, is_seen in ((whole, False), ((*whole[:2], (4.0, 1.0), (0.0, 1.0)), True)):
+        node = NodeAdded(
+            time_s=0.0,
+            robot=0,
+            serial=0,
+            parent=None,
+            configuration=(0.5, 0.5, 0.0),
+            stage="root",
+            boundary=tuple(corners),
+            tags="0" * len(corners),
+        )
+        robots = (RobotSpec(range_finder=RangeFinderSpec(range_m=6.0)),)
+        run = written([node], starts=((0.5, 0.5, 0.0),), environment=ell, robots=robots)
+        assert ("not in sight" not in broken(run, "free-is-free")) is is_seen
+
+
+# Messages ------------------------------------------------------------------------------------
+
+
+def report(time_s: float, robot: int, *reached: int, lost: tuple[int, ...] = ()) -> Sent:
+    return Sent(time_s=time_s, robot=robot, kind="report", size_bytes=9, reached=reached, lost=lost)
+
+
+TWO = ((0.5, 0.5, 0.0), (3.5, 2.5, 0.0))
+THREE = ((0.5, 0.5, 0.0), (2.0, 1.5, 0.0), (3.5, 2.5, 0.0))
+NEAR = RadioSpec(range_m=2.0)
+
+
+@pytest.mark.parametrize(
+    ("sent", "starts", "spec", "what"),
+    [
+        (report(1.0, 0, 1), TWO, {}, ""),
+        (report(1.0, 0, 1), TWO, {"radio": NEAR}, "3.606 m away"),
+        (report(1.0, 0, 2), THREE, {"radio": NEAR}, ""),
+        (report(1.0, 0, 2), THREE, {"radio": replace(NEAR, multi_hop=False)}, "no link"),
+        (report(1.0, 0, lost=(1,)), TWO, {}, "loses none"),
+        (report(1.0, 0, lost=(1,)), TWO, {"radio": RadioSpec(loss=0.5)}, ""),
+        (
+            report(1.0, 0, 1),
+            TWO,
+            {"faults": (Silence(robot=1, time_s=0.5, duration_s=1.0),)},
+            "robot 1, whose radio does not work",
+        ),
+        (
+            report(1.0, 0, 1),
+            TWO,
+            {"faults": (Silence(robot=0, time_s=0.5, duration_s=1.0),)},
+            "sender's radio does not work",
+        ),
+        (
+            report(1.0, 0, 2),
+            THREE,
+            {"radio": NEAR, "faults": (Silence(robot=1, time_s=0.5, duration_s=1.0),)},
+            "no link",
+        ),
+        (report(1.0, 0, 1), TWO, {"faults": (LateStart(robot=1, time_s=5.0),)}, "does not work"),
+        (report(1.0, 2, 0), TWO, {"base": BaseSpec(x=2.0, y=1.5), "radio": NEAR}, ""),
+        (report(1.0, 2, 0), TWO, {"base": BaseSpec(x=3.0, y=1.5), "radio": NEAR}, "no link"),
+    ],
+)
+def test_messages_come_over_links(sent, starts, spec, what):
+    said = broken(written([sent], starts=starts, **spec), "messages-over-links")
+    assert what in said
+    assert bool(what) is bool(said)
+
+
+@pytest.mark.parametrize(
+    ("walls", "range_m", "what"),
+    [("pass", 4.0, ""), ("block", 4.0, "no link"), ("weaken", 4.0, "no link"), ("weaken", 9.0, "")],
+)
+def test_walls_block_or_weaken_links(walls, range_m, what):
+    # Two walls of 5 dB: 4 m become 4 / 10 ** 0.5 = 1.26 m, and 9 m become 2.85 m; it takes 2.5 m.
+    pillars = shapely.box(1.0, 0.5, 1.2, 2.5).union(shapely.box(2.0, 0.5, 2.2, 2.5))
+    world = Environment("pillars", ROOM.free.difference(pillars))
+    radio = RadioSpec(range_m=range_m, walls=walls)
+    run = written(
+        [report(1.0, 0, 1)],
+        starts=((0.4, 1.5, 0.0), (2.9, 1.5, 0.0)),
+        environment=world,
+        radio=radio,
+    )
+    said = broken(run, "messages-over-links")
+    assert what in said
+    assert bool(what) is bool(said)
+
+
+def test_a_message_after_death_reaches_nobody(bids):
+    died = bids.recording.of(Died)[0]
+
+    def too_late(sent: Sent) -> Sent:
+        return replace(sent, reached=(died.robot,))
+
+    late = [
+        k for k, e in enumerate(bids.recording.of(Sent)) if e.time_s > died.time_s and not e.robot
+    ]
+    assert f"robot {died.robot}" in broken(
+        changed(bids, once(Sent, too_late, late[0])), "messages-over-links"
+    )
+
+
+# Knowledge -----------------------------------------------------------------------------------
+
+
+def test_a_node_is_not_learned_without_a_message(bids, srt):
+    for run in (bids, srt):
+        learned = run.recording.of(Learned)[0]
+        silent = changed(run, lambda e: replace(e, reached=()) if isinstance(e, Sent) else e)
+        said = broken(silent, "knowledge-by-scan-or-message")
+        assert said, "nobody can know of others"
+        first = f"learns of node {learned.nodes[0][1]} of robot {learned.nodes[0][0]}"
+        assert first in said or "of which it cannot have heard" in said
+
+
+def test_a_node_is_not_learned_before_the_latency(bids):
+    early = changed(
+        bids, lambda e: replace(e, time_s=e.time_s - 0.05) if isinstance(e, Learned) else e
+    )
+    assert "which no message can have brought" in broken(early, "knowledge-by-scan-or-message")
+
+
+def test_a_node_is_noted_where_a_scan_was_taken(bids):
+    blind = changed(bids, once(Sensed, lambda _: None))
+    assert "where it has taken no scan" in broken(blind, "knowledge-by-scan-or-message")
+
+
+def test_a_goal_is_not_chosen_with_a_robot_never_heard():
+    chosen = GoalChosen(
+        time_s=2.0, robot=0, rule="minpos", because="start", goal=None, robots=(0, 2)
+    )
+    near = RadioSpec(latency_s=0.5)
+    relayed = [report(0.4, 2, 1), report(1.0, 1, 0)]
+    for messages, has_heard in (
+        ([], False),
+        ([report(1.0, 2, 1)], False),
+        ([report(1.0, 2, 0)], True),
+        ([report(1.6, 2, 0)], False),
+        (relayed, True),
+        (relayed[::-1], False),
+    ):
+        said = broken(
+            written([*messages, chosen], starts=THREE, radio=near), "knowledge-by-scan-or-message"
+        )
+        assert ("robot 2, of which it cannot have heard" in said) is not has_heard
+
+
+# Measures and maps ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("change", "what"),
+    [
+        (lambda m: {"seen_area_m2": 0.9 * m.covered_area_m2}, "are covered, but"),
+        (lambda m: {"explorable_area_m2": 0.9 * m.seen_area_m2}, "are seen, but"),
+        (lambda m: {"explorable_area_m2": 2.0 * m.free_area_m2}, "are explorable, but"),
+        (lambda m: {"time_to_95_s": m.time_to_99_s, "time_to_99_s": m.time_to_95_s}, "90, 95, 99"),
+        (lambda m: {"time_to_99_s": m.makespan_s + 1.0}, "90, 95, 99"),
+        (lambda m: {"delivered_coverage": m.coverage + 0.01}, "are delivered, but"),
+        (lambda m: {"covered_area_m2": 0.9 * m.covered_area_m2}, "only"),
+        (lambda m: {"coverage": 1.1}, "no share"),
+        (lambda m: {"lower_bound_s": m.makespan_s + 1.0}, "less than its bound"),
+    ],
+)
+def test_inconsistent_measures_are_found(bids, monkeypatch, change, what):
+    metrics, curves = measure_with_curves(bids.recording, bids.environment)
+    wrong = replace(metrics, **change(metrics))
+    monkeypatch.setattr(measures, "measure_with_curves", lambda *_: (wrong, curves))
+    assert what in broken(bids, "measures-consistent")
+
+
+def test_coverage_that_falls_is_found(bids, monkeypatch):
+    metrics, curves = measure_with_curves(bids.recording, bids.environment)
+    times = list(curves.covered_at_s)
+    half_s = times[48]
+    assert half_s is not None
+    times[50] = half_s - 0.1
+    wrong = curves._replace(covered_at_s=tuple(times))
+    monkeypatch.setattr(measures, "measure_with_curves", lambda *_: (metrics, wrong))
+    assert "50 % are covered before 49 %" in broken(bids, "measures-consistent")
+
+
+def test_maps_that_depend_on_the_order_are_found(bids, srt, monkeypatch):
+    whole = ExplorationMap.merge
+    monkeypatch.setattr(
+        ExplorationMap, "merge", lambda known, entries: whole(known, list(entries)[:-1])
+    )
+    for run in (bids, srt):
+        assert "merged in another order, gives other nodes" in broken(run, "merge-order")
+
+
+def test_rasters_that_depend_on_the_order_are_found(bids, monkeypatch):
+    class Forgetful(Occupancy):
+        """Takes in three regions, and no more."""
+
+        taken = 0
+
+        def add(self, region):
+            self.taken += 1
+            return super().add(region) if self.taken <= 3 else 0
+
+    monkeypatch.setattr(merging, "raster_for", lambda *_: Forgetful(0.1, 0.3))
+    assert "gives other cells" in broken(bids, "merge-order")
+
+
+# Ends ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("footer", "what"),
+    [
+        ({"reason": " "}, "without a reason"),
+        ({"outcome": "done"}, "the outcome is 'done'"),
+        ({"outcome": "out_of_time"}, "before the limit"),
+        ({"outcome": "stalled"}, "but all robots that live ended completely"),
+        ({"time_s": 1.0}, "after the end"),
+        ({"time_s": 1e6}, "beyond its limit"),
+    ],
+)
+def test_runs_end_as_they_say(srt, footer, what):
+    assert what in broken(changed(srt, **footer), "ends")
+
+
+def test_a_complete_run_has_robots_that_ended(srt):
+    without = changed(srt, lambda e: None if isinstance(e, Ended) and e.robot == 1 else e)
+    assert "robot 1 has not ended" in broken(without, "ends")
+    given_up = changed(srt, lambda e: replace(e, complete=False) if isinstance(e, Ended) else e)
+    assert "ended incomplete" in broken(given_up, "ends")
+
+
+def test_nobody_is_to_wait_for_a_message_that_never_comes(srt):
+    waits = changed(srt, outcome="stalled", reason="robot 1 waits for a message that never comes")
+    without = changed(waits, lambda e: None if isinstance(e, Ended) and e.robot == 1 else e)
+    assert "never comes" in broken(without, "ends")
+
+
+def test_too_many_events_are_found():
+    scans = [Sensed(time_s=1.0, robot=0, configuration=(2.0, 1.5, 0.0))] * 4001
+    assert "4001 events in 20.0 s, more than 4000" in broken(written(scans), "ends")
+    assert not broken(written(scans[:4000]), "ends")
+
+
+# Complete, boxed in, and waiting ---------------------------------------------------------------
+
+
+def cut_off(run: JudgedRun, until_s: float, reason: str, complete: bool) -> JudgedRun:
+    """Return a run that ends early, of whose robots each says the same."""
+    ends = [
+        Ended(time_s=until_s, robot=robot, reason=reason, complete=complete, frontier=())
+        for robot in run.robots
+        if run.present_s(robot)[1] > until_s
+    ]
+    outcome = "complete" if complete else "stalled"
+    return changed(
+        run,
+        lambda e: None if isinstance(e, Ended) else e,
+        extra=ends,
+        until_s=until_s,
+        time_s=until_s,
+        outcome=outcome,
+    )
+
+
+@pytest.mark.parametrize("share", [0.1, 0.3, 0.5])
+def test_a_run_that_is_cut_off_is_not_complete(bids, srt, share):
+    for run in (bids, srt):
+        early = cut_off(run, share * run.end_s, "nothing is left", complete=True)
+        said = broken(early, "complete-is-complete")
+        assert "where it could go" in said
+        assert "(nothing is left)" in said
+
+
+def test_a_robot_in_the_open_is_not_boxed_in(bids, srt):
+    for run in (bids, srt):
+        early = cut_off(run, 0.2 * run.end_s, "boxed in by robot 1, which stands", complete=False)
+        assert "boxed in by robot 1" in broken(early, "boxed-in-is-boxed-in")
+
+
+@pytest.mark.parametrize(("spacing", "has_looked"), [(0.5, False), (8.0, True)])
+def test_places_beside_nodes_of_trees_count_as_looked_from(srt, spacing, has_looked):
+    options = {"completion_spacing": spacing}
+    spec = replace(srt.recording.spec, options=options)
+    header = replace(srt.recording.header, spec=spec)
+    early = cut_off(srt, 0.3 * srt.end_s, "nothing is left", complete=True)
+    recording = dataclasses.replace(early.recording, header=header)
+    run = JudgedRun(recording=recording, environment=srt.environment)
+    assert bool(broken(run, "complete-is-complete")) is not has_looked
+
+
+@pytest.mark.parametrize(("there", "way_is_free"), [(2.5, False), (0.4, True)])
+def test_a_robot_behind_a_body_is_boxed_in(there, way_is_free):
+    # A corridor of 1 m: robot 1 stands in it, and robot 0 has seen past it, up to 5 m.
+    world = Environment("corridor", shapely.box(0.0, 0.0, 12.0, 1.0))
+    robots = (RobotSpec(footprint="disc:0.2"), RobotSpec(footprint="disc:0.3"))
+    node = NodeAdded(
+        time_s=0.0,
+        robot=0,
+        serial=0,
+        parent=None,
+        configuration=(1.2, 0.5, 0.0),
+        stage="root",
+        boundary=((0.0, 0.0), (5.0, 0.0), (5.0, 1.0), (0.0, 1.0)),
+        tags="0100",
+    )
+    end = Ended(
+        time_s=1.0,
+        robot=0,
+        reason="boxed in by robot 1, which does not give way",
+        complete=False,
+        frontier=(),
+    )
+    run = written(
+        [node, end],
+        starts=((1.2, 0.5, 0.0), (there, 0.5, 0.0)),
+        environment=world,
+        robots=robots,
+        strategy="closest",
+        options={"cell_m": 0.05, "margin_m": 0.0, "min_frontier_m": 0.1},
+    )
+    assert bool(broken(run, "boxed-in-is-boxed-in")) is way_is_free
+
+
+@pytest.mark.parametrize("name", ["bids", "srt"])
+def test_a_team_that_stands_for_ever_is_found(name, request):
+    run = request.getfixturevalue(name)
+    stands = changed(
+        run,
+        lambda e: None if isinstance(e, Ended) else e,
+        time_s=run.end_s + 5000.0,
+        outcome="out_of_time",
+    )
+    assert "anything from" in broken(stands, "waits-within-limits")
+
+
+def test_one_robot_of_a_team_that_waits_for_ever_is_found():
+    # Robot 0 stands from 1 s on, while robot 1 drives to and fro.
+    there = [drive(1, (4.0 * k, 0.5, 2.5, 0.0), (4.0 * k + 2.0, 1.5, 2.5, 0.0)) for k in range(100)]
+    back = [
+        drive(1, (4.0 * k + 2.0, 1.5, 2.5, 0.0), (4.0 * k + 4.0, 0.5, 2.5, 0.0)) for k in range(100)
+    ]
+    moves = [drive(0, (0.0, 3.0, 0.5, 0.0), (1.0, 3.5, 0.5, 0.0)), *there, *back]
+    starts = ((3.0, 0.5, 0.0), (0.5, 2.5, 0.0))
+    for strategy, end_s, is_found in (
+        ("minpos", 400.0, True),
+        ("minpos", 150.0, False),
+        ("srt-radial", 400.0, False),
+    ):
+        until = [move for move in moves if move.waypoints[-1][0] <= end_s]
+        run = written(until, starts=starts, strategy=strategy, end_s=end_s)
+        assert ("robot 0 does not do" in broken(run, "waits-within-limits")) is is_found
+
+
+def test_a_standstill_that_the_stop_rule_ends_is_found(srt):
+    reason = "no robot moved, sensed or learned anything new for 3,600 s: robots 0 and 1 wait"
+    assert reason in broken(changed(srt, outcome="stalled", reason=reason), "waits-within-limits")
+
+
+def test_regions_are_those_of_the_recording(bids):
+    for name, node in bids.nodes.items():
+        assert np.allclose(
+            shapely.get_coordinates(bids.regions[name])[:-1], np.array(node.boundary)
+        )
+
+
+def test_runs_with_a_short_limit_hold_all_invariants():
+    spec = RunSpec(environment=OPEN, strategy="gain", stop=StopRule(max_time_s=3.0), seed=1)
+    assert check(executed(spec)) == []

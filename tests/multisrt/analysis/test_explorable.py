@@ -106,8 +106,11 @@ def test_a_body_that_barely_fits():
 
 def test_shapes_with_a_fixed_precision_are_worlds_like_others():
     # On this one, rounded to a millimetre as generators do it, GEOS gives an empty buffer.
-    parameters = {"size_m": 18.9, "obstacle_m": 2.96, "passage_m": 0.883}
-    spec = CatalogEnvironment(name="clutter", parameters=parameters, seed=7447)
+    spec = CatalogEnvironment(
+        name="clutter",
+        parameters={"size_m": 18.9, "obstacle_m": 2.96, "passage_m": 0.883},
+        seed=7447,
+    )
     world = build_environment(spec)
     slim = Footprint.parse("polygon:-0.3,-0.113 0.065,0 -0.3,0.113")
     team = ((slim, 4.0, START),)

@@ -13,6 +13,7 @@ from multisrt.events import (
     Died,
     Ended,
     FellSilent,
+    GoalChosen,
     Joined,
     Learned,
     Motion,
@@ -43,11 +44,12 @@ def waits_within_limits(run: JudgedRun) -> Violation | None:
     than 1e-3 m or rad, notes or learns a node or ends, and no fault strikes, although at least one
     of them has neither ended nor died. It may be as long as all waits that the strategy's options
     allow one after the other, half as long again, and 30 s more; each request to give way in it
-    allows for a pause besides, and as many questions as `patience`. This holds for robots that wait
-    for a dead one, as these wait for nothing else. Of bidding robots that neither go in pairs or
-    chains nor pursue each other it holds for each robot by itself, whatever the others do; robots
-    of the SRT family wait for the end of others. A run that its stop rule ended as nothing new came
-    is a violation if the limits are shorter than it.
+    allows for a pause and a question besides, and each goal that is chosen in it for a pause.
+    This holds for robots that wait for a dead one, as these wait for nothing else. Of bidding
+    robots that neither go in pairs or chains nor pursue each other it holds for each robot by
+    itself, whatever the others do; robots of the SRT family wait for the end of others. A run
+    that its stop rule ended as nothing new came is a violation if the limits are shorter than
+    it.
 
     Cost: negligible.
     """
@@ -59,7 +61,7 @@ def waits_within_limits(run: JudgedRun) -> Violation | None:
     limit_s = limit(run)
     for team in teams:
         for begin_s, end_s in _spells(run, team):
-            allowed_s = limit_s + _asked(run, begin_s, end_s)
+            allowed_s = limit_s + _tried(run, team, begin_s, end_s)
             if end_s - begin_s > allowed_s:
                 return _violation(run, team, begin_s, end_s, allowed_s)
     reason = run.recording.footer.reason
@@ -129,8 +131,8 @@ def _round_s(run: JudgedRun) -> float:
     return 2.0 * (radio.latency_s + radio.jitter_s)
 
 
-def _asked(run: JudgedRun, begin_s: float, end_s: float) -> float:
-    """Return for how long a team may stand besides for requests to give way in a time."""
+def _tried(run: JudgedRun, team: list[int], begin_s: float, end_s: float) -> float:
+    """Return for how long a team may stand besides for what it tries in a time."""
     if run.family == "srt":
         return 0.0
     options = run.options
@@ -140,7 +142,14 @@ def _asked(run: JudgedRun, begin_s: float, end_s: float) -> float:
         if sent.kind == "give way"
     )
     each_s = 1.5 * options["pause_s"] + options["ask_period_s"] + _round_s(run)
-    return SLACK * requests * float(each_s)
+    # A robot pauses between goals to which it finds no way, each of which it gives up.
+    goals = {
+        chosen.goal
+        for chosen in run.recording.of(GoalChosen)
+        if chosen.robot in team and begin_s <= chosen.time_s <= end_s
+    }
+    pauses_s = 1.5 * len(goals) * options["pause_s"]
+    return SLACK * float(requests * each_s + pauses_s)
 
 
 def _spells(run: JudgedRun, team: list[int]) -> Iterator[tuple[float, float]]:

@@ -80,10 +80,10 @@ for command in (
         strategy,
         check,
         compete,
-        campaign,
         experiment,
         report,
         reproduce,
+        campaign,
     ),
     completion,
 ):

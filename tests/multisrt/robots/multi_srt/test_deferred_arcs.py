@@ -326,28 +326,28 @@ def test_a_dead_robot_in_the_only_way_leaves_the_map_open(events_of, strategy):
 
 @pytest.mark.slow
 def test_jammed_balls_in_the_garden_do_not_call_their_map_complete(events_of):
-    # At 175 s a jammed robot plans around its idle neighbours, behind which is all that is left:
-    # 34 arcs. It must not call its map complete then, with nine tenths of the garden to come.
+    # At 127 s a jammed robot plans around its idle neighbours, behind which is all that is left:
+    # four arcs. It must not call its map complete then, with most of the garden to come.
     # Nodes a whole body apart, as there are hardly any places between them.
     spec = RunSpec(
         environment=CatalogEnvironment(name="garden"),
         strategy="srt-ball",
         options={"d_min_m": 0.5},
-        robots=(RobotSpec(),) * 4,
+        robots=(RobotSpec(),) * 6,
         starts="clustered",
-        seed=8,
+        seed=11,
         stop=StopRule(max_time_s=300.0),
     )
     recording = simulate(spec, environment("garden"))
     assert recording.footer.outcome == "out_of_time"
     blocked = [e for e in events_of(recording, ArcClosed) if e.reason == "blocked by a robot"]
     reopened = events_of(recording, ArcReopened)
-    assert len(blocked) > 10
+    assert len(blocked) > 3
     assert {(e.robot, e.node, e.arc) for e in reopened} <= {
         (e.robot, e.node, e.arc) for e in blocked
     }
-    assert len(reopened) > 10
+    assert len(reopened) > 3
     assert events_of(recording, MapComplete) == []
     later = [e for e in events_of(recording, NodeAdded) if e.time_s > blocked[0].time_s]
-    assert len(later) > 50
+    assert len(later) > 100
     assert all(math.isfinite(e.frontier_m) for e in events_of(recording, Decision))

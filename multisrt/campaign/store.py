@@ -10,7 +10,6 @@ from __future__ import annotations
 import sqlite3
 from collections.abc import Iterator
 from pathlib import Path
-from types import TracebackType
 from typing import Final
 
 import msgspec
@@ -20,24 +19,23 @@ from multisrt.campaign.violations import Violation
 from multisrt.experiments.lock import WriteLock
 from multisrt.experiments.provenance import program_digest, provenance
 from multisrt.experiments.store_file import (
-    connect,
+    FileKind,
+    StoreFile,
     errors_of,
-    fold_in,
-    fold_in_left,
-    require_store,
+    open_to_read,
+    open_to_write,
 )
 from multisrt.geometry.errors import InvalidInputError
-
-APPLICATION: Final = 0x4D534343
-"""Application id in the header of the file: "MSCC"."""
-
-FORMAT: Final = 1
-"""Version of the tables, stored as the `user_version` of the file."""
 
 NOT_DRAWN: Final = "(not drawn)"
 """The strategy of a mission whose drawing failed."""
 
-_TABLES: Final = """
+MISSIONS: Final = FileKind(
+    application=0x4D534343,  # "MSCC"
+    version=1,
+    contents="missions",
+    belongs_to="a campaign",
+    tables="""
 CREATE TABLE meta (name TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
 CREATE TABLE missions (
     number INTEGER PRIMARY KEY,
@@ -57,7 +55,9 @@ CREATE TABLE missions (
     run_s REAL NOT NULL,
     check_s REAL NOT NULL
 );
-"""
+""",
+)
+"""Files of the missions of a campaign."""
 
 
 class Row(msgspec.Struct, frozen=True, kw_only=True):
@@ -130,7 +130,7 @@ def row_of(mission: Mission) -> Row:
     )
 
 
-class CampaignStore:
+class CampaignStore(StoreFile):
     """The missions of a campaign so far, opened by `create_or_open` or `open`.
 
     As a context manager it closes itself.
@@ -155,9 +155,7 @@ class CampaignStore:
     def __init__(
         self, path: Path, connection: sqlite3.Connection, lock: WriteLock | None = None
     ) -> None:
-        self.path = path
-        self._connection = connection
-        self._lock = lock
+        super().__init__(path, connection, lock)
         with errors_of(path):
             meta = dict(connection.execute("SELECT name, value FROM meta"))
         try:
@@ -185,16 +183,7 @@ class CampaignStore:
         InvalidInputError
             If the file cannot be read or holds no missions.
         """
-        path = Path(path)
-        require_store(path)
-        with errors_of(path):
-            connection = connect(path, "ro")
-            try:
-                _require_missions(path, connection)
-                return cls(path, connection)
-            except BaseException:
-                connection.close()
-                raise
+        return open_to_read(Path(path), MISSIONS, cls)
 
     @classmethod
     def create_or_open(cls, path: str | Path, seed: int | None = None) -> CampaignStore:
@@ -218,28 +207,18 @@ class CampaignStore:
             If the file holds something else, missions of another seed or of another version of
             this program, or another process writes it.
         """
-        path = Path(path)
-        if path.exists():
-            require_store(path, or_empty=True)
-        lock = WriteLock(path)
-        try:
-            with errors_of(path):
-                connection = connect(path, "rwc")
-                try:
-                    if not connection.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]:
-                        _begin(connection, 0 if seed is None else seed)
-                    _require_missions(path, connection)
-                    connection.execute("PRAGMA journal_mode = WAL")
-                    connection.execute("PRAGMA synchronous = NORMAL")
-                    store = cls(path, connection, lock)
-                    store._require_same(seed)
-                except BaseException:
-                    connection.close()
-                    raise
-        except BaseException:
-            lock.release()
-            raise
-        return store
+
+        def make(path: Path, connection: sqlite3.Connection, lock: WriteLock) -> CampaignStore:
+            store = cls(path, connection, lock)
+            store._require_same(seed)
+            return store
+
+        meta = (
+            ("seed", str(0 if seed is None else seed)),
+            ("program", _program()),
+            ("provenance", msgspec.json.encode(provenance()).decode()),
+        )
+        return open_to_write(Path(path), MISSIONS, meta, make)
 
     def _require_same(self, seed: int | None) -> None:
         if seed not in (None, self.seed):
@@ -257,28 +236,6 @@ class CampaignStore:
     def is_of_this_program(self) -> bool:
         """Whether this version of the program made it: whether it draws the same missions."""
         return self._program == _program()
-
-    def close(self) -> None:
-        """Close the file and release the lock; missions that were added stay."""
-        if self._lock is not None:
-            fold_in(self._connection)
-        self._connection.close()
-        if self._lock is None:
-            fold_in_left(self.path)
-        else:
-            self._lock.release()
-            self._lock = None
-
-    def __enter__(self) -> CampaignStore:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def add(self, row: Row) -> None:
         """Store a mission, unless it is stored already.
@@ -337,36 +294,6 @@ class CampaignStore:
             return msgspec.convert(values, Row, strict=False)
         except msgspec.MsgspecError as error:
             raise InvalidInputError(f"{self.path}: a damaged mission: {error}") from None
-
-
-def _begin(connection: sqlite3.Connection, seed: int) -> None:
-    meta = (
-        ("seed", str(seed)),
-        ("program", _program()),
-        ("provenance", msgspec.json.encode(provenance()).decode()),
-    )
-    connection.execute("PRAGMA journal_mode = WAL")
-    with connection as transaction:
-        transaction.execute("BEGIN IMMEDIATE")
-        for statement in _TABLES.split(";")[:-1]:
-            transaction.execute(statement)
-        transaction.execute(f"PRAGMA application_id = {APPLICATION}")
-        transaction.execute(f"PRAGMA user_version = {FORMAT}")
-        transaction.executemany("INSERT INTO meta (name, value) VALUES (?, ?)", meta)
-
-
-def _require_missions(path: Path, connection: sqlite3.Connection) -> None:
-    (application,) = connection.execute("PRAGMA application_id").fetchone()
-    if application != APPLICATION:
-        raise InvalidInputError(
-            f"{path}: an SQLite file, but not one of a campaign; name another one"
-        )
-    (version,) = connection.execute("PRAGMA user_version").fetchone()
-    if version != FORMAT:
-        raise InvalidInputError(
-            f"{path}: missions in format {version}; this program reads format {FORMAT}: use the "
-            "version that made them, or another file"
-        )
 
 
 def _program() -> str:

@@ -17,7 +17,6 @@ import sqlite3
 from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
-from types import TracebackType
 
 import msgspec
 
@@ -28,13 +27,11 @@ from multisrt.experiments.provenance import Provenance, changed_strategies
 from multisrt.experiments.results import ENDED, Result, Results, Status, referred
 from multisrt.experiments.spec import ExperimentSpec
 from multisrt.experiments.store_file import (
-    begin,
-    connect,
+    RESULTS,
+    StoreFile,
     errors_of,
-    fold_in,
-    fold_in_left,
-    require_format,
-    require_store,
+    open_to_read,
+    open_to_write,
 )
 from multisrt.experiments.store_growth import (
     Plan,
@@ -52,7 +49,7 @@ UNFINISHED: tuple[Status, ...] = ("over_time", "over_memory", "crashed", "refuse
 """Statuses of runs that failed without a result; see `Store.forget`."""
 
 
-class Store:
+class Store(StoreFile):
     """An experiment with its results so far, opened by `create_or_open` or `open`.
 
     As a context manager it closes itself.
@@ -83,9 +80,7 @@ class Store:
     def __init__(
         self, path: Path, connection: sqlite3.Connection, lock: WriteLock | None = None
     ) -> None:
-        self.path = path
-        self._connection = connection
-        self._lock = lock
+        super().__init__(path, connection, lock)
         self._planned: Plan | None = None
         self.plans = PlanTable(path, connection)
         with errors_of(path):
@@ -127,16 +122,7 @@ class Store:
         ...     store.done, store.planned
         (0, 20)
         """
-        path = Path(path)
-        require_store(path)
-        with errors_of(path):
-            connection = connect(path, "ro")
-            try:
-                require_format(path, connection)
-                return cls(path, connection)
-            except BaseException:
-                connection.close()
-                raise
+        return open_to_read(Path(path), RESULTS, cls)
 
     @classmethod
     def create_or_open(
@@ -182,28 +168,17 @@ class Store:
         ...     store.planned
         20
         """
-        path = Path(path)
         folder = Path.cwd() if folder is None else Path(folder).resolve()
         planned = {run.key: (k, run) for k, run in enumerate(runs(spec, folder))}
         made_by = provenance_with(own_strategies(spec))
-        if path.exists():
-            require_store(path, or_empty=True)
-        lock = WriteLock(path)
-        try:
-            with errors_of(path):
-                connection = connect(path, "rwc")
-                try:
-                    begin(path, connection, _meta(spec, folder, made_by, len(planned)))
-                    store = cls(path, connection, lock)
-                    store._planned = planned
-                    store._continue(spec, folder, made_by, remake=remake)
-                except BaseException:
-                    connection.close()
-                    raise
-        except BaseException:
-            lock.release()
-            raise
-        return store
+
+        def make(path: Path, connection: sqlite3.Connection, lock: WriteLock) -> Store:
+            store = cls(path, connection, lock)
+            store._planned = planned
+            store._continue(spec, folder, made_by, remake=remake)
+            return store
+
+        return open_to_write(Path(path), RESULTS, _meta(spec, folder, made_by, len(planned)), make)
 
     def close(self) -> None:
         """Close the file and release the lock; results that were added stay.
@@ -215,26 +190,9 @@ class Store:
         >>> store.close()
         """
         if self._lock is not None:
-            fold_in(self._connection)
-        self._connection.close()
-        if self._lock is None:
-            fold_in_left(self.path)
-        else:
             with suppress(OSError):  # not empty, or not there
                 _recordings(self.path).rmdir()
-            self._lock.release()
-            self._lock = None
-
-    def __enter__(self) -> Store:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
+        super().close()
 
     # Runs -----------------------------------------------------------------------------------
 

@@ -1,12 +1,16 @@
-"""The SQLite file behind a `Store`: its tables, its format and what its errors mean."""
+"""SQLite files that hold results: their formats, how they are opened, what their errors mean."""
 
 from __future__ import annotations
 
 import sqlite3
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing, contextmanager, suppress
+from dataclasses import dataclass
 from pathlib import Path
+from types import TracebackType
+from typing import Final, Self, TypeVar
 
+from multisrt.experiments.lock import WriteLock
 from multisrt.geometry.errors import InvalidInputError
 
 APPLICATION = 0x4D535254
@@ -58,37 +62,207 @@ def connect(path: Path, mode: str) -> sqlite3.Connection:
     return sqlite3.connect(_uri(path, mode), uri=True, timeout=BUSY_S)
 
 
-def begin(path: Path, connection: sqlite3.Connection, meta: Sequence[tuple[str, str]]) -> None:
-    """Prepare a file for writing; a new one gets its tables, all at once or not at all.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FileKind:
+    """What a file holds, and in which format.
+
+    Attributes
+    ----------
+    application : int
+        Application id in the header of the file.
+    version : int
+        Version of the tables, stored as the `user_version` of the file.
+    tables : str
+        SQL statements that create them; one is `meta`, of names and values.
+    contents : str
+        What is in them, in a word.
+    belongs_to : str
+        What such a file is one of, in a few words.
+    """
+
+    application: int
+    version: int
+    tables: str
+    contents: str
+    belongs_to: str
+
+    def begin(
+        self, path: Path, connection: sqlite3.Connection, meta: Sequence[tuple[str, str]]
+    ) -> None:
+        """Prepare a file for writing; a new one gets its tables, all at once or not at all.
+
+        Parameters
+        ----------
+        path : Path
+            The file.
+        connection : sqlite3.Connection
+            A connection to it, for writing.
+        meta : sequence of (str, str)
+            Names and values for the table `meta` of a new file.
+
+        Raises
+        ------
+        InvalidInputError
+            If the file holds something else, or the same in another format.
+        """
+        is_new = _is_new(connection)
+        if not is_new:
+            self.require(path, connection)
+        connection.execute("PRAGMA journal_mode = WAL")
+        connection.execute("PRAGMA synchronous = NORMAL")
+        if is_new:
+            with connection as transaction:
+                transaction.execute("BEGIN IMMEDIATE")
+                for statement in self.tables.split(";")[:-1]:
+                    transaction.execute(statement)
+                transaction.execute(f"PRAGMA application_id = {self.application}")
+                transaction.execute(f"PRAGMA user_version = {self.version}")
+                transaction.executemany("INSERT INTO meta (name, value) VALUES (?, ?)", meta)
+
+    def require(self, path: Path, connection: sqlite3.Connection) -> None:
+        """Raise InvalidInputError unless a file is of this kind and version."""
+        if _pragma(connection, "application_id") != self.application:
+            raise InvalidInputError(
+                f"{path}: an SQLite file, but not one of {self.belongs_to}; name another one"
+            )
+        version = _pragma(connection, "user_version")
+        if version != self.version:
+            which = "a newer" if version > self.version else "an older"
+            raise InvalidInputError(
+                f"{path}: {self.contents} in format {version}, of {which} version of multisrt; "
+                f"this one reads format {self.version}: use the version that made them, or another "
+                "file"
+            )
+
+
+RESULTS: Final = FileKind(
+    application=APPLICATION,
+    version=FORMAT,
+    tables=_TABLES,
+    contents="results",
+    belongs_to="results",
+)
+"""Files of the results of an experiment."""
+
+
+class StoreFile:
+    """A file that is open, for writing if it is locked.
+
+    As a context manager it closes itself.
 
     Parameters
     ----------
     path : Path
         The file.
     connection : sqlite3.Connection
-        A connection to it, for writing.
-    meta : sequence of (str, str)
-        Names and values for the table `meta` of a new file.
+        A connection to it.
+    lock : WriteLock, optional
+        The lock against other writers.
+    """
+
+    def __init__(
+        self, path: Path, connection: sqlite3.Connection, lock: WriteLock | None = None
+    ) -> None:
+        self.path = path
+        self._connection = connection
+        self._lock = lock
+
+    def close(self) -> None:
+        """Close the file and release the lock; what was added stays."""
+        if self._lock is not None:
+            fold_in(self._connection)
+        self._connection.close()
+        if self._lock is None:
+            fold_in_left(self.path)
+        else:
+            self._lock.release()
+            self._lock = None
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+
+Opened = TypeVar("Opened", bound=StoreFile)
+
+
+def open_to_read(
+    path: Path, kind: FileKind, make: Callable[[Path, sqlite3.Connection], Opened]
+) -> Opened:
+    """Open a file for reading, even while another process writes it.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    kind : FileKind
+        What it is to hold.
+    make : callable
+        Makes what is returned, of the file and a connection to it, which is closed if it raises.
 
     Raises
     ------
     InvalidInputError
-        If the file holds no results, or results in another format.
+        If the file cannot be read, or holds something else.
     """
-    if _is_new(connection):
-        connection.execute("PRAGMA journal_mode = WAL")
-        connection.execute("PRAGMA synchronous = NORMAL")
-        with connection as transaction:
-            transaction.execute("BEGIN IMMEDIATE")
-            for statement in _TABLES.split(";")[:-1]:
-                transaction.execute(statement)
-            transaction.execute(f"PRAGMA application_id = {APPLICATION}")
-            transaction.execute(f"PRAGMA user_version = {FORMAT}")
-            transaction.executemany("INSERT INTO meta (name, value) VALUES (?, ?)", meta)
-        return
-    require_format(path, connection)
-    connection.execute("PRAGMA journal_mode = WAL")
-    connection.execute("PRAGMA synchronous = NORMAL")
+    require_store(path)
+    with errors_of(path):
+        connection = connect(path, "ro")
+        try:
+            kind.require(path, connection)
+            return make(path, connection)
+        except BaseException:
+            connection.close()
+            raise
+
+
+def open_to_write(
+    path: Path,
+    kind: FileKind,
+    meta: Sequence[tuple[str, str]],
+    make: Callable[[Path, sqlite3.Connection, WriteLock], Opened],
+) -> Opened:
+    """Open a file for writing, locked against other writers; create it if there is none.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    kind : FileKind
+        What it is to hold.
+    meta : sequence of (str, str)
+        Names and values for the table `meta` of a new file.
+    make : callable
+        Makes what is returned, of the file, a connection to it and the lock; if it raises, the one
+        is closed and the other released.
+
+    Raises
+    ------
+    InvalidInputError
+        If the file holds something else, or another process writes it.
+    """
+    if path.exists():
+        require_store(path, or_empty=True)
+    lock = WriteLock(path)
+    try:
+        with errors_of(path):
+            connection = connect(path, "rwc")
+            try:
+                kind.begin(path, connection, meta)
+                return make(path, connection, lock)
+            except BaseException:
+                connection.close()
+                raise
+    except BaseException:
+        lock.release()
+        raise
 
 
 def fold_in(connection: sqlite3.Connection) -> None:
@@ -135,19 +309,6 @@ def require_store(path: Path, *, or_empty: bool = False) -> None:
         ) from None
     if first != b"SQLite format 3\0" and not (or_empty and not first):
         raise InvalidInputError(f"{path}: not a file of results; name another one")
-
-
-def require_format(path: Path, connection: sqlite3.Connection) -> None:
-    """Raise InvalidInputError unless a file holds results in the format of this version."""
-    if _pragma(connection, "application_id") != APPLICATION:
-        raise InvalidInputError(f"{path}: an SQLite file, but not one of results; name another one")
-    version = _pragma(connection, "user_version")
-    if version != FORMAT:
-        which = "a newer" if version > FORMAT else "an older"
-        raise InvalidInputError(
-            f"{path}: results in format {version}, of {which} version of multisrt; this one "
-            f"reads format {FORMAT}: use the version that made them, or another file"
-        )
 
 
 def labels_in(path: Path) -> list[str]:

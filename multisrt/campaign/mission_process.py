@@ -24,6 +24,7 @@ from multisrt.campaign.jobs import ANSWERS, Answer, Job, Trying
 from multisrt.campaign.mission import NO_ERROR, Verdict
 from multisrt.campaign.violations import Violation
 from multisrt.experiments.import_path import python_command
+from multisrt.experiments.threads import StoppedError
 from multisrt.experiments.worker import THREADS
 
 PROGRAM: Final = "multisrt.campaign.mission_program"
@@ -42,10 +43,6 @@ MAX_JOBS: Final = 500
 
 
 _PLACE: Final = re.compile(rb"most recent call first\):\n  File \"([^\"]+)\", line (\d+)")
-
-
-class StoppedError(Exception):
-    """A process was stopped by `MissionProcess.stop` while it was at a job."""
 
 
 class Told(NamedTuple):

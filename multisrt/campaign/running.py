@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import queue
+import math
 import threading
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 from multisrt.campaign.lane import Lane, Mission
-from multisrt.campaign.mission_process import StoppedError
 from multisrt.campaign.store import CampaignStore, row_of
+from multisrt.experiments.threads import Shared, from_threads
 from multisrt.geometry.errors import InvalidInputError
 
 SHRUNK_EACH = 3
@@ -93,8 +93,7 @@ def run_campaign(
         raise InvalidInputError(f"a number of workers is at least 1, not {workers}")
     begin_s = time.monotonic()
     there = store.done()
-    end_s = None if for_s is None else begin_s + for_s
-    waiting = _Numbers(_missing(there, missions), end_s)
+    numbers = _missing(there, missions, begin_s + (math.inf if for_s is None else for_s))
     quota = _Quota(shrunk_each)
     where = failures_of(store.path) if folder is None else folder
     lanes = [Lane(store.seed, where, quota.takes) for _ in range(workers)]
@@ -115,7 +114,7 @@ def run_campaign(
             )
 
     tell(None)
-    for mission in _made(lanes, waiting):
+    for mission in _made(lanes, numbers):
         store.add(row_of(mission))
         done, made = done + 1, made + 1
         failed += bool(mission.verdict.violations)
@@ -133,31 +132,12 @@ def failures_of(store: Path) -> Path:
     return store.with_name(f"{store.stem}-failures")
 
 
-def _missing(there: set[int], missions: int | None) -> Iterator[int]:
+def _missing(there: set[int], missions: int | None, end_s: float) -> Iterator[int]:
     number = 0
-    while missions is None or number < missions:
+    while (missions is None or number < missions) and time.monotonic() < end_s:
         if number not in there:
             yield number
         number += 1
-
-
-class _Numbers:
-    """The numbers of missions that are to be made, shared by several threads."""
-
-    def __init__(self, numbers: Iterator[int], end_s: float | None) -> None:
-        self._numbers = numbers
-        self._end_s = end_s
-        self._stopped = False
-        self._lock = threading.Lock()
-
-    def next(self) -> int | None:
-        with self._lock:
-            if self._stopped or (self._end_s is not None and time.monotonic() >= self._end_s):
-                return None
-            return next(self._numbers, None)
-
-    def stop(self) -> None:
-        self._stopped = True
 
 
 class _Quota:
@@ -177,41 +157,19 @@ class _Quota:
             return True
 
 
-def _made(lanes: list[Lane], waiting: _Numbers) -> Iterator[Mission]:
+def _made(lanes: list[Lane], numbers: Iterator[int]) -> Generator[Mission, None, None]:
     """Yield missions as they are judged; a thread for each lane makes one after another."""
-    answers: queue.SimpleQueue[Mission | BaseException | None] = queue.SimpleQueue()
+    waiting = Shared(numbers)
 
-    def serve(lane: Lane) -> None:
+    def made_by(lane: Lane) -> Iterator[Mission]:
         try:
-            while (number := waiting.next()) is not None:
-                answers.put(lane.make(number))
-            answers.put(None)
-        except StoppedError:
-            pass  # the missions are no longer wanted
-        except BaseException as error:
-            answers.put(error)
+            for number in waiting:
+                yield lane.make(number)
         finally:
             lane.close()
 
-    threads = [threading.Thread(target=serve, args=(lane,), daemon=True) for lane in lanes]
-    busy = len(threads)
-    try:
-        for thread in threads:
-            thread.start()
-        while busy:
-            answer = answers.get()
-            if isinstance(answer, BaseException):
-                raise answer
-            if answer is None:
-                busy -= 1
-            else:
-                yield answer
-    finally:
-        waiting.stop()
-        if busy:
-            for lane in lanes:
-                lane.stop()
-        # An interrupt may have come before all were started.
-        for thread in threads:
-            if thread.is_alive():
-                thread.join()
+    def stop() -> None:
+        for lane in lanes:
+            lane.stop()
+
+    return from_threads([made_by(lane) for lane in lanes], stop)

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import os
-import queue
-import threading
 import time
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import closing, contextmanager
@@ -19,8 +17,9 @@ from multisrt.experiments.references import MissingPlans
 from multisrt.experiments.results import Result
 from multisrt.experiments.spec import ExperimentSpec
 from multisrt.experiments.store import Store
+from multisrt.experiments.threads import Shared, from_threads
 from multisrt.experiments.under_way import JobsUnderWay
-from multisrt.experiments.worker import StoppedError, Worker
+from multisrt.experiments.worker import Worker
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.robots.loading import being_imported
 
@@ -368,51 +367,16 @@ def _made_here(
     jobs: Iterator[Job], workers: Sequence[Worker], under_way: JobsUnderWay
 ) -> Generator[Result, None, None]:
     """Yield results as runs end; a thread for each worker gives it one job after another."""
-    waiting = _Shared(jobs)
-    answers: queue.SimpleQueue[Result | BaseException | None] = queue.SimpleQueue()
+    waiting = Shared(jobs)
 
-    def serve(worker: Worker) -> None:
-        try:
-            while (job := waiting.next()) is not None:
-                with under_way.making(job) as tell:
-                    result = worker.make(job, tell)
-                answers.put(result)
-            answers.put(None)
-        except StoppedError:
-            pass  # the results are no longer wanted
-        except BaseException as error:
-            answers.put(error)
+    def made_by(worker: Worker) -> Iterator[Result]:
+        for job in waiting:
+            with under_way.making(job) as tell:
+                result = worker.make(job, tell)
+            yield result
 
-    threads = [threading.Thread(target=serve, args=(worker,), daemon=True) for worker in workers]
-    busy = len(threads)
-    try:
-        for thread in threads:
-            thread.start()
-        while busy:
-            answer = answers.get()
-            if isinstance(answer, BaseException):
-                raise answer
-            if answer is None:
-                busy -= 1
-            else:
-                yield answer
-    finally:
-        if busy:
-            for worker in workers:
-                worker.stop()
-        # An interrupt may have come before all were started.
-        for thread in threads:
-            if thread.is_alive():
-                thread.join()
+    def stop() -> None:
+        for worker in workers:
+            worker.stop()
 
-
-class _Shared:
-    """An iterator shared by several threads."""
-
-    def __init__(self, jobs: Iterator[Job]) -> None:
-        self._jobs = jobs
-        self._lock = threading.Lock()
-
-    def next(self) -> Job | None:
-        with self._lock:
-            return next(self._jobs, None)
+    return from_threads([made_by(worker) for worker in workers], stop)

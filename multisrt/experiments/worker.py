@@ -35,6 +35,7 @@ from multisrt.experiments.limits import GRACE_S
 from multisrt.experiments.modules import reference_of
 from multisrt.experiments.provenance import Provenance, changed_strategies, differences, provenance
 from multisrt.experiments.results import Result
+from multisrt.experiments.threads import StoppedError
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.robots.registry import is_known, strategy
 
@@ -53,10 +54,6 @@ THREADS = ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_
 
 PROGRAM = "multisrt.experiments.worker_program"
 """The program of a worker."""
-
-
-class StoppedError(Exception):
-    """A worker was stopped by `Worker.stop` while it made a run."""
 
 
 class Worker:

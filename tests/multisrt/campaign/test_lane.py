@@ -10,9 +10,10 @@ from multisrt.campaign.failure import read_failure
 from multisrt.campaign.jobs import Judge, Make, Trying
 from multisrt.campaign.lane import EQUAL_DIGEST, Lane, compared, replayed
 from multisrt.campaign.mission import Verdict, judge
-from multisrt.campaign.mission_process import MissionProcess, StoppedError, Told
+from multisrt.campaign.mission_process import MissionProcess, Told
 from multisrt.campaign.store import NOT_DRAWN, row_of
 from multisrt.campaign.violations import Violation
+from multisrt.experiments.threads import StoppedError
 from multisrt.recording import Recording
 from multisrt.spec import CatalogEnvironment, RobotSpec, RunSpec, StopRule
 

@@ -8,11 +8,11 @@ import pytest
 
 from multisrt.campaign import running
 from multisrt.campaign.mission import Verdict
-from multisrt.campaign.mission_process import StoppedError
 from multisrt.campaign.running import Progress, run_campaign
 from multisrt.campaign.store import CampaignStore
 from multisrt.campaign.summary import summary
 from multisrt.campaign.violations import Violation
+from multisrt.experiments.threads import StoppedError
 from multisrt.geometry.errors import InvalidInputError
 from tests.multisrt.campaign.test_store import mission_of
 

@@ -20,8 +20,9 @@ from multisrt.experiments.results import Result
 from multisrt.experiments.runner import Progress, cores, job_of, run_experiment
 from multisrt.experiments.spec import ExperimentSpec, Limits
 from multisrt.experiments.store import Store
+from multisrt.experiments.threads import StoppedError
 from multisrt.experiments.under_way import JobsUnderWay
-from multisrt.experiments.worker import StoppedError, Worker
+from multisrt.experiments.worker import Worker
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.recording import Recording
 from multisrt.robots.registry import _registry

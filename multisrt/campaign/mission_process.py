@@ -7,7 +7,6 @@ nothing else down.
 from __future__ import annotations
 
 import os
-import re
 import select
 import signal
 import subprocess
@@ -15,7 +14,6 @@ import tempfile
 import threading
 import time
 from contextlib import suppress
-from pathlib import Path
 from typing import Final, NamedTuple
 
 import msgspec
@@ -25,7 +23,7 @@ from multisrt.campaign.mission import NO_ERROR, Verdict
 from multisrt.campaign.violations import Violation
 from multisrt.experiments.import_path import python_command
 from multisrt.experiments.threads import StoppedError
-from multisrt.experiments.worker import THREADS
+from multisrt.experiments.worker import THREADS, how_it_ended, place_in
 
 PROGRAM: Final = "multisrt.campaign.mission_program"
 
@@ -40,9 +38,6 @@ LAST_WORDS_S: Final = 1.0
 
 MAX_JOBS: Final = 500
 """Missions after which a process is replaced."""
-
-
-_PLACE: Final = re.compile(rb"most recent call first\):\n  File \"([^\"]+)\", line (\d+)")
 
 
 class Told(NamedTuple):
@@ -141,7 +136,7 @@ class MissionProcess:
             invariant, says = HANGS, f"not done after {limit_s:g} s{self._place(popen)}"
         except OSError:
             code = popen.wait()
-            invariant, says = NO_ERROR, f"its process {_ended(code)}{self._last_place()}"
+            invariant, says = NO_ERROR, f"its process {how_it_ended(code)}{self._last_place()}"
         self.close()
         if self._stopped.is_set():
             raise StoppedError
@@ -193,24 +188,11 @@ class MissionProcess:
         return self._last_place()
 
     def _last_place(self) -> str:
-        """Return where the process was, as its fault handler wrote it, in parentheses."""
         self._errors.seek(0)
-        said = self._errors.read()
-        # The thread that makes missions is the one that is not reading its input.
-        for file, line in _PLACE.findall(said):
-            name = Path(os.fsdecode(file)).name
-            if name != "pipes.py":
-                return f" (at {name}:{int(line)})"
-        return ""
+        return place_in(self._errors.read())
 
 
 def _kill(popen: subprocess.Popen[bytes]) -> None:
     if popen.poll() is None:
         with suppress(ProcessLookupError):
             os.killpg(popen.pid, signal.SIGKILL)
-
-
-def _ended(code: int) -> str:
-    if code >= 0:
-        return f"ended with exit code {code}"
-    return f"was ended by {signal.Signals(-code).name}"

@@ -24,7 +24,7 @@ from multisrt.campaign.jobs import Answer, Job, Make, Trying
 from multisrt.campaign.mission import Verdict, judge_recorded, make
 from multisrt.experiments.import_path import extend_path
 from multisrt.experiments.memory import MemoryTrimmer
-from multisrt.experiments.pipes import own_pipes, queue_lines
+from multisrt.experiments.pipes import own_pipes, queue_lines, write_line
 from multisrt.recording import Recording
 from multisrt.spec import RunSpec
 
@@ -47,7 +47,7 @@ def main(arguments: Sequence[str]) -> None:
     decoder = msgspec.json.Decoder(Job)
     trimmer = MemoryTrimmer()
     while True:
-        _tell(answers, Answer(verdict=_verdict(decoder.decode(lines.get()), answers)))
+        write_line(answers, Answer(verdict=_verdict(decoder.decode(lines.get()), answers)))
         trimmer.tidy()
 
 
@@ -55,7 +55,7 @@ def _verdict(job: Job, answers: IO[bytes]) -> Verdict:
     if isinstance(job, Make):
 
         def trying(spec: RunSpec | None, refused: int) -> None:
-            _tell(answers, Trying(spec=spec, refused=refused))
+            write_line(answers, Trying(spec=spec, refused=refused))
 
         return make(job.seed, job.number, trying)
     verdict, recording = judge_recorded(job.spec)
@@ -69,11 +69,6 @@ def _keep(recording: Recording, folder: Path) -> None:
 
     recording.save(folder / RECORDING_NAME)
     save_replay(recording, folder / REPLAY_NAME)
-
-
-def _tell(answers: IO[bytes], answer: Trying | Answer) -> None:
-    answers.write(msgspec.json.encode(answer) + b"\n")
-    answers.flush()
 
 
 if __name__ == "__main__":

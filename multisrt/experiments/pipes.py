@@ -6,6 +6,8 @@ import os
 import queue
 from typing import IO
 
+import msgspec
+
 
 def own_pipes() -> tuple[IO[bytes], IO[bytes]]:
     """Move the pipes to other descriptors, away from what strategies print and read.
@@ -38,3 +40,17 @@ def queue_lines(jobs: IO[bytes], lines: queue.SimpleQueue[bytes]) -> None:
     while line := jobs.readline():
         lines.put(line)
     os._exit(0)
+
+
+def write_line(answers: IO[bytes], answer: msgspec.Struct) -> None:
+    """Write an answer as a line of JSON.
+
+    Parameters
+    ----------
+    answers : binary file
+        The output.
+    answer : msgspec.Struct
+        The answer.
+    """
+    answers.write(msgspec.json.encode(answer) + b"\n")
+    answers.flush()

@@ -55,6 +55,9 @@ THREADS = ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_
 PROGRAM = "multisrt.experiments.worker_program"
 """The program of a worker."""
 
+# Where a thread is, as the fault handler writes it.
+_PLACE = re.compile(rb"most recent call first\):\n  File \"([^\"]+)\", line (\d+)")
+
 
 class Worker:
     """A worker process, started when it is needed and replaced when it ends.
@@ -131,9 +134,9 @@ class Worker:
                 most_s = job.limits.computing_s + GRACE_S
                 reason = f"not done after {most_s:g} s of computing"
                 return job.without_result("over_time", reason, wall_s=wall_s, computing_s=most_s)
-            how = _how_it_ended(code)
+            how = how_it_ended(code)
             if -code not in OUTSIDE_SIGNALS:
-                place = _place_in(last_words)
+                place = place_in(last_words)
                 return job.without_result("crashed", f"its process {how}{place}", wall_s=wall_s)
             if first:
                 reason = f"its process {first}, and when it was repeated, {how}"
@@ -169,7 +172,7 @@ class Worker:
                 self._process = None
                 if not self._stopped.is_set() and not (more and -code in OUTSIDE_SIGNALS):
                     raise InvalidInputError(
-                        f"a worker ended before it was ready: it {_how_it_ended(code)}"
+                        f"a worker ended before it was ready: it {how_it_ended(code)}"
                         + _last_line(last_words)
                     )
         assert self._process is not None
@@ -281,7 +284,8 @@ def _remedy(missing: str) -> str:
     )
 
 
-def _how_it_ended(code: int) -> str:
+def how_it_ended(code: int) -> str:
+    """Return how a process ended, by its exit code; as what follows "it"."""
     if code >= 0:
         return f"ended with exit code {code}"
     try:
@@ -292,12 +296,16 @@ def _how_it_ended(code: int) -> str:
     return f"was ended by {name}" + (f" ({meaning})" if meaning else "")
 
 
-def _place_in(last_words: bytes) -> str:
-    """Return the file and line that the fault handler reported, in parentheses."""
-    found = re.search(rb"most recent call first\):\n  File \"([^\"]+)\", line (\d+)", last_words)
-    if found is None:
-        return ""
-    return f" ({Path(os.fsdecode(found[1])).name}:{int(found[2])})"
+def place_in(last_words: bytes) -> str:
+    """Return the file and line that the fault handler reported, in parentheses.
+
+    Of several threads, that of the first one which does not read the input of the process.
+    """
+    for file, line in _PLACE.findall(last_words):
+        name = Path(os.fsdecode(file)).name
+        if name != "pipes.py":
+            return f" ({name}:{int(line)})"
+    return ""
 
 
 def _last_line(last_words: bytes) -> str:

@@ -19,15 +19,14 @@ import threading
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
-from typing import IO
 
 import msgspec
 
 from multisrt.experiments.import_path import extend_path
-from multisrt.experiments.job import Answer, Job, Made, Ready, Unable
+from multisrt.experiments.job import Job, Made, Ready, Unable
 from multisrt.experiments.memory import MemoryTrimmer
 from multisrt.experiments.modules import import_modules
-from multisrt.experiments.pipes import own_pipes, queue_lines
+from multisrt.experiments.pipes import own_pipes, queue_lines, write_line
 from multisrt.experiments.user_source import provenance_with
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.robots.registry import is_built_in, strategies
@@ -53,7 +52,7 @@ def main(arguments: Sequence[str]) -> None:
         import_modules(modules)
         made_by = provenance_with(each for each in strategies() if not is_built_in(each.name))
     except InvalidInputError as error:
-        _answer(answers, Unable(str(error)))
+        write_line(answers, Unable(str(error)))
         return
     import multisrt.robots.explorers  # noqa: F401, what the first explorer would import
     from multisrt.experiments.mission import compilation_told, make_run
@@ -63,8 +62,8 @@ def main(arguments: Sequence[str]) -> None:
     gc.set_threshold(ALLOCATIONS_PER_COLLECTION, 20, 50)
     lines: queue.SimpleQueue[bytes] = queue.SimpleQueue()
     threading.Thread(target=queue_lines, args=(jobs, lines), daemon=True).start()
-    _answer(answers, Ready(made_by))
-    tell = partial(_answer, answers)
+    write_line(answers, Ready(made_by))
+    tell = partial(write_line, answers)
     decoder = msgspec.json.Decoder(Job)
     trimmer = MemoryTrimmer()
     while True:
@@ -81,15 +80,10 @@ def main(arguments: Sequence[str]) -> None:
                     horizon_s=job.horizon_s,
                 )
         except InvalidInputError as error:
-            _answer(answers, Unable(str(error)))
+            write_line(answers, Unable(str(error)))
         else:
-            _answer(answers, Made(result))
+            write_line(answers, Made(result))
             trimmer.tidy()
-
-
-def _answer(answers: IO[bytes], answer: Answer) -> None:
-    answers.write(msgspec.json.encode(answer) + b"\n")
-    answers.flush()
 
 
 if __name__ == "__main__":

@@ -5,15 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import msgspec
-import numpy as np
 
+from multisrt.analysis.recorded_map import recorded_closing, recorded_node
 from multisrt.events import BLOCKED, ArcClosed, ArcReopened, Ended, Motion, NodeAdded, Segment
 from multisrt.geometry.bodies.footprint import Footprint
-from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.geometry.regions.safe_region import LocalSafeRegion
 from multisrt.recording import Recording
-from multisrt.robots.exploration_map import Closing, ClosingId, ExplorationMap, Node, NodeId
+from multisrt.robots.exploration_map import ExplorationMap
 from multisrt.spec import Scalar
 
 
@@ -93,16 +91,10 @@ def _team_map(recording: Recording) -> ExplorationMap:
     for number, event in enumerate(recording.events):
         match event:
             case NodeAdded():
-                team_map.add(_node(event, spec.robots[event.robot].range_finder.range_m))
+                team_map.add(recorded_node(event, spec.robots[event.robot].range_finder.range_m))
             case ArcClosed() if event.reason != "blocked by a robot":
-                closing = Closing(
-                    id=ClosingId(event.robot, number),
-                    node=NodeId(*event.node),
-                    arc=np.asarray(event.arc, np.float64).reshape(-1, 4),
-                    reason=event.reason,
-                    width_m=widths[event.robot],
-                )
-                team_map.close(closing)
+                width_m = widths[event.robot]
+                team_map.close(recorded_closing(event, event.reason, number, width_m))
     return team_map
 
 
@@ -112,21 +104,3 @@ def _gaps_count(options: Mapping[str, Scalar]) -> bool:
         return msgspec.convert(options.get("gaps_count", True), bool, strict=False)
     except msgspec.ValidationError as error:
         raise InvalidInputError(f"option gaps_count of the recording: {error}") from None
-
-
-def _node(event: NodeAdded, range_m: float) -> Node:
-    configuration = Configuration(*event.configuration)
-    region = LocalSafeRegion(
-        x=configuration.x,
-        y=configuration.y,
-        range_m=range_m,
-        boundary=event.region(),
-        tags=np.asarray([int(tag) for tag in event.tags], np.int8),
-    )
-    return Node(
-        id=NodeId(event.robot, event.serial),
-        configuration=configuration,
-        region=region,
-        parent=None if event.parent is None else NodeId(*event.parent),
-        time_s=event.time_s,
-    )

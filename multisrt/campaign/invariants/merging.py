@@ -6,14 +6,13 @@ from typing import Any, Final
 
 import numpy as np
 
+from multisrt.analysis.recorded_map import recorded_closing, recorded_node
 from multisrt.campaign.judged_run import JudgedRun
 from multisrt.campaign.violations import Violation
-from multisrt.events import BLOCKED, ArcClosed, NodeAdded, NodeName
+from multisrt.events import ArcClosed, NodeName
 from multisrt.geometry.bodies.footprint import Footprint
-from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.grids.occupancy import Occupancy
-from multisrt.geometry.regions.safe_region import LocalSafeRegion
-from multisrt.robots.exploration_map import Closing, ClosingId, Entry, ExplorationMap, Node, NodeId
+from multisrt.robots.exploration_map import Entry, ExplorationMap, Node
 from multisrt.robots.frontier.scan_map import raster_for
 
 NAME: Final = "merge-order"
@@ -57,39 +56,16 @@ def merge_order(run: JudgedRun) -> Violation | None:
 
 
 def _entries(run: JudgedRun, names: list[NodeName]) -> list[Entry]:
-    entries: list[Entry] = [_node(run, run.nodes[name]) for name in names]
-    widths = [Footprint.parse(spec.footprint).width_m for spec in run.recording.spec.robots]
+    robots = run.recording.spec.robots
+    entries: list[Entry] = [
+        recorded_node(run.nodes[name], robots[name[0]].range_finder.range_m) for name in names
+    ]
+    widths = [Footprint.parse(spec.footprint).width_m for spec in robots]
     for serial, closed in enumerate(run.recording.of(ArcClosed)):
-        if closed.reason == BLOCKED:
-            continue
-        entries.append(
-            Closing(
-                id=ClosingId(closed.robot, serial),
-                node=NodeId(*closed.node),
-                arc=np.asarray(closed.arc, np.float64).reshape(-1, 4),
-                reason=closed.reason,
-                width_m=widths[closed.robot],
-            )
-        )
+        if closed.reason != "blocked by a robot":
+            width_m = widths[closed.robot]
+            entries.append(recorded_closing(closed, closed.reason, serial, width_m))
     return entries
-
-
-def _node(run: JudgedRun, event: NodeAdded) -> Node:
-    configuration = Configuration(*event.configuration)
-    region = LocalSafeRegion(
-        x=configuration.x,
-        y=configuration.y,
-        range_m=run.recording.spec.robots[event.robot].range_finder.range_m,
-        boundary=event.region(),
-        tags=np.asarray([int(tag) for tag in event.tags], np.int8),
-    )
-    return Node(
-        id=NodeId(event.robot, event.serial),
-        configuration=configuration,
-        region=region,
-        parent=None if event.parent is None else NodeId(*event.parent),
-        time_s=event.time_s,
-    )
 
 
 def _merged(run: JudgedRun, robot: int, entries: list[Entry]) -> dict[str, Any]:

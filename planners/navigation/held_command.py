@@ -69,7 +69,12 @@ def motion(
 
 
 def safe_time(
-    chosen: Command, clearance_m: float, radius_m: float, *, margin_m: float = 0.0
+    chosen: Command,
+    clearance_m: float,
+    radius_m: float,
+    *,
+    margin_m: float = 0.0,
+    is_disc: bool = True,
 ) -> float:
     """Return how long a command may be held without any part of the body leaving known space.
 
@@ -87,6 +92,9 @@ def safe_time(
         Distance of the body's farthest corner from its reference point in metres.
     margin_m : float
         Distance to keep from obstacles in metres.
+    is_disc : bool
+        Whether the body is a disc about its reference point, which touches nothing new as it turns
+        in place. The corners of another one come nearer to what is beside it.
 
     Returns
     -------
@@ -100,7 +108,7 @@ def safe_time(
     2.0
     """
     if chosen.speed_m_s == 0.0:
-        return math.inf
+        return math.inf if is_disc or clearance_m >= radius_m else 0.0
     return max(0.0, clearance_m - radius_m - margin_m) / chosen.speed_m_s
 
 

@@ -133,12 +133,10 @@ def hold_command(
     ):
         return 0.0
     clearance = known_clearance(region.boundary, robot.at, bodies)
-    if chosen.speed_m_s == 0.0 and not robot.body.is_disc and clearance < radius:
-        # Corners of a body that turns in place come nearer to what is beside it.
-        return 0.0
-    held_s = min(
-        options.control_period_s, safe_time(chosen, clearance, radius, margin_m=DIAGRAM_MARGIN_M)
+    safe_s = safe_time(
+        chosen, clearance, radius, margin_m=DIAGRAM_MARGIN_M, is_disc=robot.body.is_disc
     )
+    held_s = min(options.control_period_s, safe_s)
     if held_s < MIN_HELD_S:
         return held_s
     began_s = robot.time_s

@@ -109,12 +109,10 @@ def arc_labels(segments: FloatArray) -> tuple[IntArray, int]:
         return labels, 0
     last = 0
     for i in range(1, n):
-        gap = abs(segments[i, 0] - segments[i - 1, 2]) + abs(segments[i, 1] - segments[i - 1, 3])
-        if gap > JOINED_M:
+        if not _meets(segments, i - 1, i):
             last += 1
         labels[i] = last
-    closing = abs(segments[0, 0] - segments[n - 1, 2]) + abs(segments[0, 1] - segments[n - 1, 3])
-    if last > 0 and closing <= JOINED_M:
+    if last > 0 and _meets(segments, n - 1, 0):
         for i in range(n - 1, -1, -1):
             if labels[i] != last:
                 break

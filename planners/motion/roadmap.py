@@ -5,7 +5,7 @@ from __future__ import annotations
 import heapq
 import math
 from array import array
-from collections.abc import Callable, Hashable, Iterable, Mapping
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 from typing import Generic, TypeVar
 
 Place = TypeVar("Place", bound=Hashable)
@@ -180,6 +180,46 @@ class Roadmap(Generic[Place]):
         >>> roadmap.tree({"hall": 1.0, "desk": 5.0})
         ({'hall': 1.0, 'desk': 3.0}, {'desk': 'hall'})
         """
+        lengths: dict[Place, float] = {}
+        before: dict[Place, Place] = {}
+        for place, length, last in self.nearest_first(starts, passable):
+            lengths[place] = length
+            if last is not None:
+                before[place] = last
+        return lengths, before
+
+    def nearest_first(
+        self,
+        starts: Mapping[Place, float],
+        passable: Callable[[Place, Place], bool] | None = None,
+    ) -> Iterator[tuple[Place, float, Place | None]]:
+        """Yield all places that can be reached, by the lengths of the shortest paths to them.
+
+        Parameters
+        ----------
+        starts, passable
+            As for `tree`.
+
+        Yields
+        ------
+        place : Place
+            A place.
+        length : float
+            Length in metres.
+        before : Place or None
+            The place before it on its way; None for a start from which a path begins.
+
+        Notes
+        -----
+        Dijkstra's algorithm, which goes on only as far as places are asked for.
+
+        Examples
+        --------
+        >>> roadmap = Roadmap()
+        >>> roadmap.connect("hall", "desk", 2.0)
+        >>> list(roadmap.nearest_first({"hall": 1.0}))
+        [('hall', 1.0, None), ('desk', 3.0, 'hall')]
+        """
         places, none = self._places, -1
         queue: list[tuple[float, int, int, int]] = [
             (length, order, self._number(start), none)
@@ -187,23 +227,20 @@ class Roadmap(Generic[Place]):
         ]
         heapq.heapify(queue)
         order = len(queue)
-        lengths: dict[int, float] = {}
-        before: dict[Place, Place] = {}
+        settled: set[int] = set()
         while queue:
             length, _, number, last = heapq.heappop(queue)
-            if number in lengths:
+            if number in settled:
                 continue
-            lengths[number] = length
+            settled.add(number)
             place = places[number]
-            if last != none:
-                before[place] = places[last]
+            yield place, length, None if last == none else places[last]
             for neighbour, more in zip(*self._edges[number], strict=True):
-                if neighbour not in lengths and (
+                if neighbour not in settled and (
                     passable is None or passable(place, places[neighbour])
                 ):
                     order += 1
                     heapq.heappush(queue, (length + more, order, neighbour, number))
-        return {places[number]: length for number, length in lengths.items()}, before
 
     def _number(self, place: Place) -> int:
         # The number of a place, which is added if it is new.

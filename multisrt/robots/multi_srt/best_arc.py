@@ -174,15 +174,15 @@ def _ways(robot: SrtRobot) -> Iterator[tuple[NodeId, float, float | None]]:
     """
     robot.roadmap.extend()
     here = robot.at.node
-    lengths, before = robot.roadmap.graph.tree({here: 0.0}, robot.routes.is_passable)
     turns: dict[NodeId, float | None] = {}
-    for node, length_m in lengths.items():
-        if node == here:
+    ways = robot.roadmap.graph.nearest_first({here: 0.0}, robot.routes.is_passable)
+    for node, length_m, before in ways:
+        if before is None:
             turns[node] = None
-        elif before[node] == here:
+        elif before == here:
             turns[node] = _turn(robot, *robot.map[node].configuration[:2])
         else:
-            turns[node] = turns[before[node]]
+            turns[node] = turns[before]
         yield node, length_m, turns[node]
 
 

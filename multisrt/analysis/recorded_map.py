@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from multisrt.events import ArcClosed, NodeAdded
+from multisrt.events import ArcClosed, ClosingReason, NodeAdded
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.regions.safe_region import LocalSafeRegion
-from multisrt.robots.knowledge import Closing, ClosingId, ClosingReason, Node, NodeId
+from multisrt.robots.knowledge import Closing, ClosingId, Node, NodeId
 
 
 def recorded_node(event: NodeAdded, range_m: float) -> Node:

@@ -37,6 +37,7 @@ ROOM_FOR_COVERS: Final = 1
 ROOM_IN_TABLE: Final = 2
 
 NO_ROW: Final = -1
+FREE: Final = -1
 
 SLACK_M: Final = 1e-5
 """Boxes of rings are widened by this length in metres, as edges are compared beside their rings."""
@@ -79,8 +80,9 @@ class UnionBorder:
         self._covers = _Covers(
             span=np.zeros((256, 2)), before=np.zeros(256, np.int32), tally=np.zeros(2, np.int64)
         )
-        # The ends of the edges that have been compared, by their hash.
-        self._table: FloatArray = np.full((256, 4), np.nan)
+        # The edges that have been compared, by the hash of their ends: ring, and corner where one
+        # ends.
+        self._table: Int32Array = np.full((256, 2), FREE, np.int32)
         self._known = 0
 
     def within(self, indices: IntArray, window: Window) -> FloatArray:
@@ -148,8 +150,8 @@ class UnionBorder:
                 span=grown(covers.span, room), before=grown(covers.before, room)
             )
         else:
-            table = np.full((2 * len(self._table), 4), np.nan)
-            _rehash(self._table, table)
+            table: Int32Array = np.full((2 * len(self._table), 2), FREE, np.int32)
+            _rehash(self._table, table, self._rings.arrays)
             self._table = table
 
 
@@ -175,7 +177,7 @@ def _compare(
     asked: tuple[IntArray, Window, RingArrays, int, Int32Array],
     edges: _Edges,
     covers: _Covers,
-    table: FloatArray,
+    table: Int32Array,
     known: int,
 ) -> tuple[int, int]:
     # Compare edges in the window with the rings that they have not been compared with. Return the
@@ -197,7 +199,7 @@ def _compare(
                 if edges.state[e] == NEW:
                     if 2 * known >= table.shape[0]:
                         return known, ROOM_IN_TABLE
-                    is_first = _enter(table, px, py, qx, qy)
+                    is_first = _enter(table, k, c, rings)
                     is_long = np.hypot(qx - px, qy - py) > MIN_SEGMENT_M
                     edges.state[e] = KEPT if is_first and is_long else GONE
                     known += is_first
@@ -375,23 +377,34 @@ def _is_covered(covered: Intervals, size: int, length: float) -> bool:
 
 
 @kernel
-def _enter(table: FloatArray, px: float, py: float, qx: float, qy: float) -> bool:
-    # Enter an edge into a table with room for it; return whether it was not there.
+def _enter(table: Int32Array, ring: int, corner: int, rings: RingArrays) -> bool:
+    # Enter an edge into a table with room for it; return whether none with its ends was there.
+    px, py, qx, qy = _ends(ring, corner, rings)
     mask = table.shape[0] - 1
     i = hash((px, py, qx, qy)) & mask
-    while not np.isnan(table[i, 0]):
-        if table[i, 0] == px and table[i, 1] == py and table[i, 2] == qx and table[i, 3] == qy:
+    while table[i, 0] != FREE:
+        ax, ay, bx, by = _ends(table[i, 0], table[i, 1], rings)
+        if ax == px and ay == py and bx == qx and by == qy:
             return False
         i = (i + 1) & mask
-    table[i, 0], table[i, 1], table[i, 2], table[i, 3] = px, py, qx, qy
+    table[i, 0], table[i, 1] = ring, corner
     return True
 
 
+@inlined_kernel
+def _ends(ring: int, corner: int, rings: RingArrays) -> tuple[float, float, float, float]:
+    # The ends of the edge of a ring that ends at a corner.
+    before = (corner if corner > rings.starts[ring] else rings.starts[ring + 1]) - 1
+    px, py = rings.corners[before]
+    qx, qy = rings.corners[corner]
+    return px, py, qx, qy
+
+
 @kernel
-def _rehash(table: FloatArray, larger: FloatArray) -> None:
-    for px, py, qx, qy in table:
-        if not np.isnan(px):
-            _enter(larger, px, py, qx, qy)
+def _rehash(table: Int32Array, larger: Int32Array, rings: RingArrays) -> None:
+    for ring, corner in table:
+        if ring != FREE:
+            _enter(larger, ring, corner, rings)
 
 
 @kernel

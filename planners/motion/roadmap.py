@@ -1,4 +1,4 @@
-"""A graph of places and the paths between them."""
+"""A graph of places in the plane and the paths between them."""
 
 from __future__ import annotations
 
@@ -12,15 +12,18 @@ Place = TypeVar("Place", bound=Hashable)
 
 
 class Roadmap(Generic[Place]):
-    """An undirected graph of places, whose edges are paths of known length.
+    """An undirected graph of places in the plane, whose edges are straight paths.
 
-    Places are any hashable objects. Where a path begins is added if it is new.
+    Places are any hashable objects. Methods raise `KeyError` for places that were not added.
 
     Examples
     --------
     >>> roadmap = Roadmap()
-    >>> roadmap.connect("door", "hall", 3.0)
-    >>> roadmap.connect("hall", "desk", 2.0)
+    >>> roadmap.add("door", 0.0, 0.0)
+    >>> roadmap.add("hall", 3.0, 0.0)
+    >>> roadmap.add("desk", 3.0, 2.0)
+    >>> roadmap.connect("door", "hall")
+    >>> roadmap.connect("hall", "desk")
     >>> roadmap.path("door", "desk")
     ['door', 'hall', 'desk']
     >>> roadmap.lengths(["door"])
@@ -28,31 +31,34 @@ class Roadmap(Generic[Place]):
     """
 
     def __init__(self) -> None:
-        # Large teams have millions of edges: places are numbered, and each has the numbers of its
-        # neighbours and the lengths of the edges to them.
+        # Large teams have millions of edges: places are numbered, each has the numbers of its
+        # neighbours, and the lengths of edges are computed anew.
         self._places: list[Place] = []
         self._numbers: dict[Place, int] = {}
-        self._edges: list[tuple[array[int], array[float]]] = []
+        self._xs = array("d")
+        self._ys = array("d")
+        self._neighbours: list[array[int]] = []
 
-    def add(self, place: Place) -> None:
-        """Add a place without paths; a known place is left as it is."""
-        self._number(place)
+    def add(self, place: Place, x: float, y: float) -> None:
+        """Add a place without edges, at x and y in metres; a known place is left as it is."""
+        number = self._numbers.setdefault(place, len(self._places))
+        if number == len(self._places):
+            self._places.append(place)
+            self._xs.append(x)
+            self._ys.append(y)
+            self._neighbours.append(array("i"))
 
-    def connect(self, a: Place, b: Place, length_m: float) -> None:
-        """Connect two places in both directions by an edge of `length_m` metres; add new places."""
-        first, second = self._number(a), self._number(b)
+    def connect(self, a: Place, b: Place) -> None:
+        """Connect two places by an edge, unless there is one."""
+        first, second = self._numbers[a], self._numbers[b]
         for one, other in ((first, second), (second, first)):
-            neighbours, lengths = self._edges[one]
-            if other in neighbours:
-                lengths[neighbours.index(other)] = length_m
-            else:
-                neighbours.append(other)
-                lengths.append(length_m)
+            if other not in self._neighbours[one]:
+                self._neighbours[one].append(other)
 
     def joins(self, a: Place, b: Place) -> bool:
         """Return whether there is an edge between two places."""
         first, second = self._numbers.get(a), self._numbers.get(b)
-        return first is not None and second is not None and second in self._edges[first][0]
+        return first is not None and second is not None and second in self._neighbours[first]
 
     def path_to_nearest(
         self,
@@ -81,7 +87,7 @@ class Roadmap(Generic[Place]):
         Dijkstra's algorithm, stopped at the first destination: the cost depends on its distance,
         not on the size of the roadmap. Of equally near places the one connected first wins.
         """
-        places, first = self._places, self._number(start)
+        places, first = self._places, self._numbers[start]
         came_from: dict[int, int] = {}
         distance = {first: 0.0}
         settled: set[int] = set()
@@ -98,7 +104,7 @@ class Roadmap(Generic[Place]):
                 while path[-1] != first:
                     path.append(came_from[path[-1]])
                 return [places[k] for k in reversed(path)]
-            for neighbour, length in zip(*self._edges[number], strict=True):
+            for neighbour, length in self._edges(number):
                 reach = travelled + length
                 if (
                     neighbour not in settled
@@ -176,7 +182,9 @@ class Roadmap(Generic[Place]):
         Examples
         --------
         >>> roadmap = Roadmap()
-        >>> roadmap.connect("hall", "desk", 2.0)
+        >>> roadmap.add("hall", 3.0, 0.0)
+        >>> roadmap.add("desk", 3.0, 2.0)
+        >>> roadmap.connect("hall", "desk")
         >>> roadmap.tree({"hall": 1.0, "desk": 5.0})
         ({'hall': 1.0, 'desk': 3.0}, {'desk': 'hall'})
         """
@@ -216,13 +224,15 @@ class Roadmap(Generic[Place]):
         Examples
         --------
         >>> roadmap = Roadmap()
-        >>> roadmap.connect("hall", "desk", 2.0)
+        >>> roadmap.add("hall", 3.0, 0.0)
+        >>> roadmap.add("desk", 3.0, 2.0)
+        >>> roadmap.connect("hall", "desk")
         >>> list(roadmap.nearest_first({"hall": 1.0}))
         [('hall', 1.0, None), ('desk', 3.0, 'hall')]
         """
         places, none = self._places, -1
         queue: list[tuple[float, int, int, int]] = [
-            (length, order, self._number(start), none)
+            (length, order, self._numbers[start], none)
             for order, (start, length) in enumerate(starts.items())
         ]
         heapq.heapify(queue)
@@ -235,17 +245,16 @@ class Roadmap(Generic[Place]):
             settled.add(number)
             place = places[number]
             yield place, length, None if last == none else places[last]
-            for neighbour, more in zip(*self._edges[number], strict=True):
+            for neighbour, more in self._edges(number):
                 if neighbour not in settled and (
                     passable is None or passable(place, places[neighbour])
                 ):
                     order += 1
                     heapq.heappush(queue, (length + more, order, neighbour, number))
 
-    def _number(self, place: Place) -> int:
-        # The number of a place, which is added if it is new.
-        number = self._numbers.setdefault(place, len(self._places))
-        if number == len(self._places):
-            self._places.append(place)
-            self._edges.append((array("i"), array("d")))
-        return number
+    def _edges(self, number: int) -> Iterator[tuple[int, float]]:
+        # The neighbours of a place, and the lengths of the edges to them.
+        xs, ys = self._xs, self._ys
+        x, y = xs[number], ys[number]
+        for other in self._neighbours[number]:
+            yield other, math.hypot(xs[other] - x, ys[other] - y)

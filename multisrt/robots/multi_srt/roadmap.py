@@ -98,14 +98,14 @@ class SrtRoadmap:
         roomy : bool
             Whether the body fits in any heading all along that motion.
         """
-        self.graph.add(node.id)
+        self._place(node)
         self._planned.clear()
         if self.body.has_room(node.region.boundary, node.configuration):
             self._has_room.add(node.id)
         if node.parent is None or out_and_back is None:
             return
         parent = self.map[node.parent]
-        self.graph.connect(parent.id, node.id, parent.configuration.distance(node.configuration))
+        self.graph.connect(parent.id, node.id)
         first, last = out_and_back.out.waypoints[0], out_and_back.out.waypoints[-1]
         self._turns[node.id] = last.heading - first.heading
         if out_and_back.back is not None:
@@ -127,7 +127,7 @@ class SrtRoadmap:
             return
         nodes = self.map.nodes
         for node in nodes[self._seen :]:
-            self.graph.add(node.id)
+            self._place(node)
         # Every pair is considered once, when the later of the two nodes is new.
         pairs = self.map.pairs_near(self._seen, self.me.range_m)
         self._seen = len(nodes)
@@ -153,20 +153,22 @@ class SrtRoadmap:
         # Whether there is an edge that no bridge would improve.
         return self.graph.joins(a, b) and (a, b) not in self._narrow
 
+    def _place(self, node: Node) -> None:
+        self.graph.add(node.id, node.configuration.x, node.configuration.y)
+
     def _bridge(self, a: Node, b: Node) -> None:
         if isinstance(self.me.kinematics, Car):
             there, back = self._curve(a, b), self._curve(b, a)
             if there is None or back is None:
                 return
             self._driven[a.id, b.id], self._driven[b.id, a.id] = there, back
-            self.graph.connect(a.id, b.id, a.configuration.distance(b.configuration))
+            self.graph.connect(a.id, b.id)
         else:
             self.join(a.id, b.id)
 
     def join(self, a: NodeId, b: NodeId) -> None:
         """Add an edge: a straight path on which the body fits in any heading."""
-        length = self.map[a].configuration.distance(self.map[b].configuration)
-        self.graph.connect(a, b, length)
+        self.graph.connect(a, b)
         self._narrow.difference_update(((a, b), (b, a)))
         self._has_room.update((a, b))
 

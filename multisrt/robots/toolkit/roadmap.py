@@ -186,14 +186,12 @@ class NodeRoadmap:
             return
         nodes = self.map.nodes
         for node in nodes[self._seen :]:
-            self._graph.add(node.id)
+            self._graph.add(node.id, node.configuration.x, node.configuration.y)
         pairs = self.map.pairs_near(self._seen, self.reach_m)
         self._seen = len(nodes)
         joined = self.body.bridges(self.map.places, self.map.rings, pairs)
         for a, b in pairs[joined].tolist():
-            one, other = nodes[a], nodes[b]
-            length_m = one.configuration.distance(other.configuration)
-            self._graph.connect(one.id, other.id, length_m)
+            self._graph.connect(nodes[a].id, nodes[b].id)
 
 
 def _one(place: Any) -> list[tuple[float, float]]:

@@ -101,7 +101,7 @@ class LocalFrontiers:
             self._include_gaps,
             neighbours,
             self._regions.id_rows,
-            self._regions.rings.arrays,
+            self._regions.rings.arrays(np.append(neighbours, number)),
         )
         self._note_changed(changed)
         return changed

@@ -91,7 +91,7 @@ class NodeRegions:
         window = (x - half_width_m, y - half_width_m, x + half_width_m, y + half_width_m)
         near = self.places.within(x, y, math.sqrt(2.0) * half_width_m + self.reach_m)
         found = np.empty_like(near)
-        boxes = self.rings.arrays.boxes[near]
+        boxes = self.rings.boxes[near]
         near = near[found[: intersecting_boxes(boxes, np.zeros(len(near)), window, found)]]
         return window, np.array(sorted(near.tolist(), key=self.ids.__getitem__), np.int64)
 

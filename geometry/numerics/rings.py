@@ -8,6 +8,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from multisrt.geometry.numerics.arrays import FloatArray, Int32Array, IntArray, grown, roomier
+from multisrt.geometry.numerics.boxes import bounds_of, intersecting_boxes
 from multisrt.geometry.numerics.kernel import inlined_kernel, kernel
 
 STRETCH: Final = 32
@@ -107,12 +108,35 @@ class Rings:
         ring = np.ascontiguousarray(ring, np.float64)
         self._rings.append(ring)
         self._arrays.spans[index] = ABSENT, len(ring), ABSENT
-        _note_box(ring, self._arrays.boxes[index])
+        self._arrays.boxes[index] = bounds_of(ring)
         return index
 
     def ring(self, index: int) -> FloatArray:
         """Return the corners of a ring, ``(m, 2)``."""
         return self._rings[index]
+
+    def meeting(
+        self, indices: IntArray, box: tuple[float, float, float, float], apart_m: float = 0.0
+    ) -> IntArray:
+        """Return those of some rings whose boxes are at most `apart_m` from another box.
+
+        Parameters
+        ----------
+        indices : (k,) array of int
+            The rings.
+        box : (x0, y0, x1, y1)
+            The other box, in metres.
+        apart_m : float
+            In metres.
+
+        Returns
+        -------
+        (m,) array of int
+            In their order.
+        """
+        found = np.empty_like(indices)
+        slacks = np.full(len(indices), apart_m)
+        return indices[found[: intersecting_boxes(self.boxes[indices], slacks, box, found)]]
 
     def arrays(self, indices: IntArray) -> RingArrays:
         """Return all rings as kernels take them, with the corners of some.
@@ -176,14 +200,6 @@ def corners_of(rings: RingArrays, index: int) -> FloatArray:
 def _stretches(sizes: Int32Array) -> Int32Array:
     # The numbers of stretches of rings.
     return (sizes + (STRETCH - 1)) // STRETCH
-
-
-@kernel
-def _note_box(ring: FloatArray, box: FloatArray) -> None:
-    box[0], box[1], box[2], box[3] = ring[0, 0], ring[0, 1], ring[0, 0], ring[0, 1]
-    for c in range(1, ring.shape[0]):
-        box[0], box[1] = min(box[0], ring[c, 0]), min(box[1], ring[c, 1])
-        box[2], box[3] = max(box[2], ring[c, 0]), max(box[3], ring[c, 1])
 
 
 @kernel

@@ -194,6 +194,8 @@ class Store(StoreFile):
         """
         if self._lock is not None:
             with suppress(OSError):  # not empty, or not there
+                for part in _recordings(self.path).glob("*.part"):
+                    part.unlink()  # of a run whose process was ended
                 _recordings(self.path).rmdir()
         super().close()
 

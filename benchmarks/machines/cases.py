@@ -63,6 +63,8 @@ class Case:
         What is wrong; empty if all is right.
     seen : list of dict of str to Row
         What the store held after each breakage.
+    is_finished : bool
+        Whether the command was continued to its end.
     """
 
     subject: Subject
@@ -72,6 +74,7 @@ class Case:
     did: list[str] = field(default_factory=list)
     faults: list[str] = field(default_factory=list)
     seen: list[dict[str, Row]] = field(default_factory=list)
+    is_finished: bool = False
 
     def prepare(self) -> None:
         """Make the folder, and one for temporary files."""
@@ -167,7 +170,10 @@ class Case:
         return self.seen[-1]
 
     def finish(self) -> None:
-        """Continue the command undisturbed, and verify all that it made."""
+        """Continue the command undisturbed, and verify all that it made; only once."""
+        if self.is_finished:
+            return
+        self.is_finished = True
         with self.running(*self.subject.retry) as command:
             self.require_success(command.end())
             self.require_gone(command)
@@ -219,7 +225,9 @@ def _held_by(lock: Path, pid: int) -> bool:
 
 
 def _said(ended: Ended) -> str:
-    return " / ".join(ended.told) or "nothing was told"
+    # Of a traceback, the first lines and the last ones.
+    told = [*ended.told[:2], "...", *ended.told[-2:]] if len(ended.told) > 4 else ended.told
+    return " / ".join(told) or "nothing was told"
 
 
 def in_words(moments: Sequence[int]) -> str:

@@ -101,7 +101,7 @@ class Command:
 
     def end(self) -> Ended:
         """Wait for its end, or kill it when it takes too long."""
-        late = ()
+        late: tuple[str, ...] = ()
         try:
             self.popen.wait(timeout=MAX_S)
         except subprocess.TimeoutExpired:

@@ -12,12 +12,12 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from types import FrameType, TracebackType
-from typing import TYPE_CHECKING, Final, NoReturn, Self, TextIO
+from typing import TYPE_CHECKING, Any, Final, NoReturn, Self
 
 import click
 
 if TYPE_CHECKING:
-    from _typeshed import ReadableBuffer as Buffer
+    from _typeshed import ReadableBuffer
 
 NO_OUTPUT: Final = 1
 """Exit code if standard output cannot be written."""
@@ -83,7 +83,7 @@ class _OutputError(OSError):
 class _Output(io.FileIO):
     """Standard output, whose errors are told from those of other files."""
 
-    def write(self, data: Buffer, /) -> int | None:
+    def write(self, data: ReadableBuffer, /) -> int:
         try:
             return super().write(data)
         except OSError as error:
@@ -100,8 +100,8 @@ def standard_streams() -> Iterator[None]:
         sys.stderr = open(os.devnull, "w")  # noqa: SIM115, open until the process ends
     if sys.stdout is None:
         fail("error: standard output is closed; redirect it, if only to /dev/null", NO_OUTPUT)
-    if sys.stdout is sys.__stdout__:
-        sys.stdout = _output_to(sys.stdout)
+    if sys.stdout is (stream := sys.__stdout__) and stream is not None:
+        sys.stdout = _output_to(stream)
     try:
         try:
             yield
@@ -115,7 +115,7 @@ def standard_streams() -> Iterator[None]:
         fail(f"error: cannot write to standard output: {error.strerror}", NO_OUTPUT)
 
 
-def _output_to(stream: TextIO) -> TextIO:
+def _output_to(stream: io.TextIOWrapper[Any]) -> io.TextIOWrapper[io.BufferedWriter]:
     return io.TextIOWrapper(
         io.BufferedWriter(_Output(stream.fileno(), "w", closefd=False)),
         encoding=stream.encoding,

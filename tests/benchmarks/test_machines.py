@@ -140,14 +140,8 @@ def test_moments_are_told_in_words():
 
 
 def test_the_clock_goes_back_and_monotonic_clocks_do_not(tmp_path):
-    code = """
-import datetime, time
-begin = time.time(), time.monotonic(), datetime.datetime.now(), datetime.datetime.now(datetime.UTC)
-time.sleep(0.6)
-print(time.time() - begin[0], time.monotonic() - begin[1],
-      (datetime.datetime.now() - begin[2]).total_seconds(),
-      (datetime.datetime.now(datetime.UTC) - begin[3]).total_seconds())
-"""
+    code = "import time; a = time.time(), time.monotonic(); time.sleep(0.6); "
+    code += "print(time.time() - a[0], time.monotonic() - a[1])"
     done = subprocess.run(
         [sys.executable, "-c", code],
         env={
@@ -159,9 +153,9 @@ print(time.time() - begin[0], time.monotonic() - begin[1],
         check=True,
         text=True,
     )
-    clock_s, monotonic_s, *dates_s = map(float, done.stdout.split())
+    clock_s, monotonic_s = map(float, done.stdout.split())
     assert 0.6 <= monotonic_s < 60.0
-    assert all(-7200.0 < shift_s < -7100.0 for shift_s in (clock_s, *dates_s))
+    assert -7200.0 < clock_s < -7100.0
     assert len((tmp_path / "log").read_text().split()) == 1
 
 

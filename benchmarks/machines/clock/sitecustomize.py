@@ -2,10 +2,10 @@
 
 `CLOCK_JUMPS` holds the times since the process began (s) at which the clock is set back by an hour.
 Monotonic clocks and those of processors go on, as they do if somebody sets the clock of a machine.
+The class `datetime` is written in C, as libraries demand, and has a clock of its own.
 Each process adds its number to the file `CLOCK_LOG`.
 """
 
-import datetime
 import os
 import time
 
@@ -23,27 +23,7 @@ def shifted_s() -> float:
     return _TRUE() - BACK_S * sum(jump_s <= since_s for jump_s in _JUMPS)
 
 
-class Datetime(datetime.datetime):
-    """Dates and times whose present is that of the clock."""
-
-    @classmethod
-    def now(cls, tz: datetime.tzinfo | None = None) -> "Datetime":
-        """Return the present."""
-        return cls.fromtimestamp(shifted_s(), tz)
-
-    @classmethod
-    def today(cls) -> "Datetime":
-        """Return the present, in local time."""
-        return cls.now()
-
-    @classmethod
-    def utcnow(cls) -> "Datetime":
-        """Return the present, in UTC and without a zone."""
-        return cls.now(datetime.UTC).replace(tzinfo=None)
-
-
 time.time = shifted_s
 time.time_ns = lambda: int(shifted_s() * 1e9)
-datetime.datetime = Datetime  # type: ignore[misc]
 with open(os.environ["CLOCK_LOG"], "a") as log:
     log.write(f"{os.getpid()}\n")

@@ -31,7 +31,7 @@ def usual_signals():
 
 
 @pytest.mark.parametrize("number", TERMINATIONS)
-def test_a_signal_interrupts_once(number, monkeypatch):
+def test_a_signal_interrupts_once(number: signal.Signals, monkeypatch):
     with Terminations() as terminations:
         assert terminations.received is None
         with pytest.raises(KeyboardInterrupt):

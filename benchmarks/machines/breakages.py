@@ -17,7 +17,6 @@ from benchmarks.machines.processes import (
     Ended,
     LateError,
     Limits,
-    first_to_end,
     started,
 )
 
@@ -264,18 +263,22 @@ def set_back_clock(case: Case) -> None:
 def short_memory(case: Case) -> None:
     """Let a process that makes runs allocate hardly more: what it makes may fail, the rest not."""
     moments, margins = [], case.draws.sample(MARGINS_KB, 2)
-    with case.running() as command:
-        for margin_kb in margins:
-            moments.append(case.reach(command, 1))
+    for margin_kb in margins:
+        with case.running() as command:
+            moments.append(case.reach(command))
             _limit_memory(case.draws.choice(workers(command)), margin_kb)
-        ended = command.end()
-        case.require_gone(command)
-    case.require(not ended.told, f"it wrote: {' / '.join(ended.told)}")
-    failed = [key for key, row in case.look().items() if not row.result[1]]
-    code = {"experiment": 3, "campaign": 1}[case.subject.name] if failed else case.expected.code
-    case.require(ended.code == code, f"exit code {ended.code}, not {code}")
-    case.require(len(failed) <= len(moments), f"more than {len(moments)} failed: {failed}")
-    case.require(len(case.seen[-1]) == len(case.expected.results), "some were not made")
+            ended = command.end()
+            case.require_gone(command)
+        failed = [key for key, row in case.look().items() if not row.result[1]]
+        case.require(len(failed) <= len(moments), f"more than one failed: {failed}")
+        if ended.code == 2:
+            case.require_error(ended, "MemoryError|ended before it was ready")
+        else:
+            # Exit code 3: some runs did not succeed.
+            case.require_success(ended, (3,) if failed else ())
+            case.require(len(case.seen[-1]) == len(case.expected.results), "some were not made")
+            break
+    margins = margins[: len(moments)]
     case.did.append(f"{', '.join(map(str, margins))} kB more {in_words(moments)}")
 
 
@@ -294,22 +297,22 @@ def _limit_memory(pid: int, margin_kb: int) -> None:
 
 def two_runners(case: Case) -> None:
     """Give the command twice at the same time, and again while it runs."""
-    moments = []
     with case.running() as one, case.running() as other:
-        second = first_to_end([one, other])
+        one.wait_until(lambda: case.has_store(one) or case.has_store(other), "one had the store")
+        first, second = (one, other) if case.has_store(one) else (other, one)
+        first.send(signal.SIGSTOP)  # it is there until the others have looked
         case.require_error(second.end(), "another process")
-        first = other if second is one else one
-        for _ in range(2):
-            moments.append(case.reach(first))
-            first.send(signal.SIGSTOP)  # it is there until the third has looked
-            with case.running() as third:
-                case.require_error(third.end(), f"another process.*process {first.popen.pid}")
-            first.send(signal.SIGCONT)
+        first.send(signal.SIGCONT)
+        stored = case.reach(first)
+        first.send(signal.SIGSTOP)
+        with case.running() as third:
+            case.require_error(third.end(), f"another process.*process {first.popen.pid}")
+        first.send(signal.SIGCONT)
         case.require_success(first.end())
         case.require_gone(first)
     case.require_tidy()
     case.look()
-    case.did.append(f"at the same time, and {in_words(moments)}")
+    case.did.append(f"at the same time, and {in_words([stored])}")
 
 
 BREAKAGES: Final[dict[str, Callable[[Case], None]]] = {

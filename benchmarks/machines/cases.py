@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
 
-from benchmarks.machines.processes import Command, Ended, Limits, started
+from benchmarks.machines.processes import LOOK_S, Command, Ended, Limits, started
 from benchmarks.machines.subjects import Row, Subject
 
 DELAY_S: Final = 0.3
@@ -125,15 +125,24 @@ class Case:
         """
         further = self.draws.randrange(least, least + MAX_FURTHER + 1)
         before = max(0, self.subject.stored(self.folder))
-        # Something is left to be made, as long as that can be.
-        target = min(before + further, len(self.expected.results) - 2)
-        lock = self.folder / f"{self.subject.store}.lock"
-        command.wait_until(lambda: _held_by(lock, command.popen.pid), "it had the store")
+        most = len(self.expected.results) - 2  # something is left to be made
+        target = min(before + further, most)
+        command.wait_until(lambda: self.has_store(command), "it had the store")
         command.wait_until(
             lambda: self.subject.stored(self.folder) >= target, f"{target} results were stored"
         )
-        time.sleep(self.draws.uniform(0.0, DELAY_S))
+        end_s = time.monotonic() + self.draws.uniform(0.0, DELAY_S)
+        while time.monotonic() < end_s and self.subject.stored(self.folder) <= most:
+            time.sleep(LOOK_S)
         return self.subject.stored(self.folder)
+
+    def has_store(self, command: Command) -> bool:
+        """Whether a command has taken the lock of the store."""
+        try:
+            lock = (self.folder / f"{self.subject.store}.lock").read_text()
+        except OSError:
+            return False
+        return lock == str(command.popen.pid)
 
     # What is verified -----------------------------------------------------------------------
 
@@ -215,13 +224,6 @@ class Case:
 def _is_whole(row: Row) -> bool:
     # What failed without a result may be made again.
     return bool(row.result[1])
-
-
-def _held_by(lock: Path, pid: int) -> bool:
-    try:
-        return lock.read_text() == str(pid)
-    except OSError:
-        return False
 
 
 def _said(ended: Ended) -> str:

@@ -194,17 +194,6 @@ def started(
                     os.kill(pid, signal.SIGKILL)
 
 
-def first_to_end(commands: Sequence[Command]) -> Command:
-    """Return the command that ends first; raise LateError if none does in `MAX_S`."""
-    end_s = time.monotonic() + MAX_S
-    while time.monotonic() < end_s:
-        for command in commands:
-            if not command.is_there:
-                return command
-        time.sleep(LOOK_S)
-    raise LateError(f"none ended in {MAX_S:g} s")
-
-
 def _denied(limits: Limits) -> None:
     # In the new process: what it is denied, and signals as usual, whatever started this one.
     for number in (signal.SIGINT, signal.SIGHUP, signal.SIGTERM):

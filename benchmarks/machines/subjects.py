@@ -14,7 +14,7 @@ from typing import Final, NamedTuple
 
 EXPERIMENT: Final = """\
 name = "machines"
-environments = [{ name = "open", parameters = { size_m = 8.0 } }]
+environments = [{ name = "open", parameters = { size_m = 12.0 } }]
 strategies = ["closest", "srt-star"]
 repetitions = 6
 recordings = "all"

@@ -16,6 +16,7 @@ from multisrt.campaign.invariants import JudgedRun, check
 from multisrt.campaign.violations import Violation
 from multisrt.campaign.worlds import world_of
 from multisrt.environments.environment import Environment
+from multisrt.experiments.mission import lacks_memory
 from multisrt.recording import Recording
 from multisrt.robots.defects import ExplorerDefect
 from multisrt.simulation.setting_up import SetUp, set_up
@@ -32,8 +33,11 @@ STEPS_EACH_S: Final = 100
 MAX_TEXT: Final = 400
 """Length to which messages of errors are cut, in characters."""
 
+OVER_MEMORY: Final = "over_memory"
+"""The outcome of a mission that could not allocate what it needs."""
+
 Outcome = str
-"""That of the footer of a recording; "refused", "error" or "endless" where there is none."""
+"""That of the footer of a recording, or another of a `Verdict` where there is none."""
 
 
 class Verdict(msgspec.Struct, frozen=True, kw_only=True):
@@ -43,8 +47,9 @@ class Verdict(msgspec.Struct, frozen=True, kw_only=True):
     ----------
     outcome : str
         How the run ended: "complete", "stalled" or "out_of_time" as its recording says; "refused"
-        if the program refuses the spec as impossible; "error" if it raised an error; "endless" if
-        it exceeded the bound of events; "lost" if its process ended or hung.
+        if the program refuses the spec as impossible; "error" if it raised an error, "over_memory"
+        if that was for want of memory; "endless" if it exceeded the bound of events; "lost" if its
+        process ended or hung.
     violations : tuple of Violation
         The invariants that do not hold.
     reason : str
@@ -207,8 +212,11 @@ def _judged(setup: SetUp, begin_s: float) -> Judged:
                 verdict = _failed(error, steps, begin_s, simulation.clock.now_s)
             return Judged(verdict, cut_off)
     run_s = time.perf_counter() - begin_s
-    violations = _violations(recording, setup.environment)
     footer = recording.footer
+    try:
+        violations = _violations(recording, setup.environment)
+    except Exception as error:  # for want of memory
+        return Judged(_failed(error, steps, begin_s, footer.time_s), recording)
     verdict = Verdict(
         outcome=footer.outcome,
         violations=violations,
@@ -227,6 +235,8 @@ def _violations(recording: Recording, environment: Environment) -> tuple[Violati
     try:
         return tuple(check(JudgedRun(recording=recording, environment=environment)))
     except Exception as error:
+        if lacks_memory(error):
+            raise
         return (Violation(invariant=JUDGED, says=described(error)),)
 
 
@@ -240,7 +250,7 @@ def _attempted(record: Callable[[], Recording]) -> Recording | None:
 def _failed(error: Exception, steps: int, begin_s: float, time_s: float = 0.0) -> Verdict:
     says = described(error)
     return Verdict(
-        outcome="error",
+        outcome=OVER_MEMORY if lacks_memory(error) else "error",
         violations=(Violation(invariant=NO_ERROR, says=says, time_s=time_s),),
         reason=says,
         time_s=time_s,

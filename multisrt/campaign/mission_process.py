@@ -19,7 +19,7 @@ from typing import Final, NamedTuple
 import msgspec
 
 from multisrt.campaign.jobs import ANSWERS, Answer, Job, Trying
-from multisrt.campaign.mission import NO_ERROR, Verdict
+from multisrt.campaign.mission import NO_ERROR, OVER_MEMORY, Verdict
 from multisrt.campaign.violations import Violation
 from multisrt.experiments.import_path import python_command
 from multisrt.experiments.threads import StoppedError
@@ -77,8 +77,8 @@ class MissionProcess:
     def ask(self, job: Job, limit_s: float = HANG_S) -> Told:
         """Return the answer to a job.
 
-        A process that ends or hangs is replaced, and the job repeated once: the machine may have
-        been at fault.
+        A process that ends, hangs or lacks memory is replaced, and the job repeated once: the
+        machine may have been at fault, or what the process holds of earlier jobs.
 
         Parameters
         ----------
@@ -98,7 +98,10 @@ class MissionProcess:
             If `stop` is called before the answer.
         """
         first = self._ask(job, limit_s)
-        return self._ask(job, limit_s) if first.verdict.outcome == "lost" else first
+        if first.verdict.outcome not in ("lost", OVER_MEMORY):
+            return first
+        self.close()
+        return self._ask(job, limit_s)
 
     def stop(self) -> None:
         """Kill the process, even at a job; no other is started."""

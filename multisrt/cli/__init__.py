@@ -14,6 +14,7 @@ from multisrt.cli.campaign import campaign
 from multisrt.cli.check import check
 from multisrt.cli.compete import compete
 from multisrt.cli.completion import PROGRAM, VARIABLE, completion
+from multisrt.cli.ending import BY_SIGNAL, Terminations, fail, standard_streams
 from multisrt.cli.environments import environments
 from multisrt.cli.experiment import experiment
 from multisrt.cli.explore import explore
@@ -94,20 +95,20 @@ def main() -> None:
     """Run the command line; print an error as one line and exit with its code."""
     from multisrt.geometry.errors import MultiSrtError
 
-    try:
-        result = cli.main(prog_name=PROGRAM, complete_var=VARIABLE, standalone_mode=False)
-    except click.exceptions.Abort:
-        _fail("interrupted", INTERRUPTED)
-    except click.exceptions.NoArgsIsHelpError as error:
-        click.echo(error.format_message(), err=True)
-        raise SystemExit(BAD_INPUT) from None
-    except click.ClickException as error:
-        _fail(f"error: {usage_message(error)}", error.exit_code)
-    except MultiSrtError as error:
-        _fail(f"error: {error}", BAD_INPUT)
-    raise SystemExit(result if isinstance(result, int) else COMPLETE)
-
-
-def _fail(message: str, code: int) -> None:
-    click.echo(message, err=True)
-    raise SystemExit(code)
+    with standard_streams(), Terminations() as terminations:
+        try:
+            result = cli.main(prog_name=PROGRAM, complete_var=VARIABLE, standalone_mode=False)
+        except click.exceptions.NoArgsIsHelpError as error:
+            fail(error.format_message(), BAD_INPUT)
+        except click.ClickException as error:
+            fail(f"error: {usage_message(error)}", error.exit_code)
+        except MultiSrtError as error:
+            fail(f"error: {error}", BAD_INPUT)
+        except (click.exceptions.Abort, KeyboardInterrupt, OSError) as error:
+            # An OSError if the terminal was closed to which the interrupted command writes.
+            if (signal := terminations.received) is not None:
+                fail(f"interrupted by {signal.name}", BY_SIGNAL + signal)
+            if isinstance(error, OSError):
+                raise
+            fail("interrupted", INTERRUPTED)
+        raise SystemExit(result if isinstance(result, int) else COMPLETE)

@@ -9,6 +9,7 @@ others; keys of runs keep results from being stored twice.
 
 from __future__ import annotations
 
+import logging
 import queue
 import re
 import tempfile
@@ -79,11 +80,23 @@ def made_on_cluster(
         If `distributed` is not installed here.
     """
     client = _client(address)
+    with _unlogged():
+        try:
+            mine = msgspec.json.encode(made_by)
+            yield from _made(client, jobs, address, mine, tuple(modules))
+        finally:
+            client.close(timeout=TIMEOUT_S)
+
+
+@contextmanager
+def _unlogged() -> Iterator[None]:
+    """Leave it to the errors raised here to tell of a loss, which the client logs at length."""
+    log = logging.getLogger("distributed.client")
+    was_disabled, log.disabled = log.disabled, True
     try:
-        mine = msgspec.json.encode(made_by)
-        yield from _made(client, jobs, address, mine, tuple(modules))
+        yield
     finally:
-        client.close(timeout=TIMEOUT_S)
+        log.disabled = was_disabled
 
 
 def _client(address: str) -> Client:

@@ -18,8 +18,10 @@ from multisrt.experiments.store import Store
 class Twins:
     """The twins among the runs of an experiment.
 
-    Of twins none of which was made, the first is made before the others. It decides whether they
-    are copies of it, so that what is made does not depend on the number of workers.
+    Of twins none of which has come to an end, one is made at a time. The first that ends decides
+    whether the others are copies of it, so that what is made does not depend on the number of
+    workers. One that failed without a result decides nothing: whatever took its process down may
+    have been of the machine, or of its seed.
 
     Parameters
     ----------
@@ -30,7 +32,6 @@ class Twins:
     def __init__(self, store: Store) -> None:
         self._store = store
         self._twins = {run.key: twin_key(run) for run in store.runs()}
-        self._tried: set[str] = set()
 
     def copies(self) -> list[Result]:
         """Return the results of missing runs whose twin was made without chance.
@@ -53,17 +54,19 @@ class Twins:
         Returns
         -------
         list of PlannedRun
-            The runs in the experiment's order: of twins that no earlier batch had, the first one.
-            The batch after the first one has all that is left.
+            The runs in the experiment's order: of twins none of which has come to an end, the
+            first one that is missing. Once the batch is stored there is another, until no run is
+            missing.
         """
-        begun: set[str] = set()
+        decided = {self._twins[key] for key in self._store.ended()}
+        waiting: set[str] = set()
         batch = []
         for run in self._store.missing():
             twins = self._twins[run.key]
-            if twins in self._tried or twins not in begun:
+            if twins not in waiting:
                 batch.append(run)
-            begun.add(twins)
-        self._tried |= begun
+            if twins not in decided:
+                waiting.add(twins)
         return batch
 
 

@@ -160,7 +160,7 @@ def _what_went_wrong(error: BaseException, limits: Limits | None) -> tuple[Statu
     over = [each for each in chain if isinstance(each, OverTimeError)]
     if over:
         return "over_time", str(over[0])
-    if limits is not None and any(map(_lacks_memory, chain)):
+    if limits is not None and lacks_memory(error):
         return "over_memory", f"wants more than {limits.memory_mb} MB"
     said = str(error)
     while isinstance(error, ExplorerDefect) and error.__cause__ is not None:
@@ -178,9 +178,10 @@ def _one_line(text: str) -> str:
     return words if len(words) <= MAX_REASON_LENGTH else words[: MAX_REASON_LENGTH - 3] + "..."
 
 
-def _lacks_memory(error: BaseException) -> bool:
+def lacks_memory(error: BaseException) -> bool:
+    """Whether an error or one of its causes is that no more memory could be allocated."""
     # Libraries in C++ report it by the name of their exception.
-    return isinstance(error, MemoryError) or "bad_alloc" in str(error)
+    return any(isinstance(e, MemoryError) or "bad_alloc" in str(e) for e in _chain(error))
 
 
 def _chain(error: BaseException) -> list[BaseException]:

@@ -93,8 +93,8 @@ def run_experiment(
     Each result is stored as its run ends: an interruption loses only runs under way, and the next
     call continues. Results do not depend on the number of workers or on the machine that made
     them, except for computing time and memory. Repetitions that differ by their seed alone wait
-    for the first of them: if it draws no random number, it is their result, too. If the experiment
-    asks for a reference, the plans that stored runs lack are made then.
+    for the first of them that comes to an end: if it draws no random number, it is their result,
+    too. If the experiment asks for a reference, the plans that stored runs lack are made then.
 
     Parameters
     ----------

@@ -35,6 +35,7 @@ from multisrt.experiments.store_file import (
 )
 from multisrt.experiments.store_growth import (
     Plan,
+    meta_of,
     move,
     require_continuable,
     require_same_program,
@@ -178,7 +179,9 @@ class Store(StoreFile):
             store._continue(spec, folder, made_by, remake=remake)
             return store
 
-        return open_to_write(Path(path), RESULTS, _meta(spec, folder, made_by, len(planned)), make)
+        return open_to_write(
+            Path(path), RESULTS, meta_of(spec, folder, made_by, len(planned)), make
+        )
 
     def close(self) -> None:
         """Close the file and release the lock; results that were added stay.
@@ -191,6 +194,8 @@ class Store(StoreFile):
         """
         if self._lock is not None:
             with suppress(OSError):  # not empty, or not there
+                for part in _recordings(self.path).glob("*.part"):
+                    part.unlink()  # of a run whose process was ended
                 _recordings(self.path).rmdir()
         super().close()
 
@@ -233,8 +238,7 @@ class Store(StoreFile):
         ...     [run.spec.seed for run in store.missing()][:3]
         [0, 1, 2]
         """
-        with errors_of(self.path):
-            there = {key for (key,) in self._connection.execute("SELECT key FROM runs")}
+        there = self._keys()
         return [run for _, run in self._plan().values() if run.key not in there]
 
     def add(self, result: Result) -> None:
@@ -366,6 +370,10 @@ class Store(StoreFile):
         results = referred(self._read(), self.plans.read())
         return Results(self.experiment, results, planned=self.planned, provenance=self.provenance)
 
+    def ended(self) -> set[str]:
+        """Return the keys of the runs that did not fail without a result."""
+        return self._keys(f"WHERE status IN {ENDED}")  # a tuple of texts is a list of SQL
+
     def of_no_chance(self) -> list[Result]:
         """Return the runs that were made and in which no random number was drawn.
 
@@ -382,6 +390,10 @@ class Store(StoreFile):
         []
         """
         return self._read("WHERE chance = 0 AND same_as IS NULL")
+
+    def _keys(self, where: str = "") -> set[str]:
+        with errors_of(self.path):
+            return {key for (key,) in self._connection.execute(f"SELECT key FROM runs {where}")}
 
     def _read(self, where: str = "") -> list[Result]:
         with errors_of(self.path):
@@ -448,7 +460,7 @@ class Store(StoreFile):
             )
             transaction.executemany(
                 "UPDATE meta SET value = ? WHERE name = ?",
-                [(value, name) for name, value in _meta(spec, folder, made_by, len(plan))],
+                [(value, name) for name, value in meta_of(spec, folder, made_by, len(plan))],
             )
         self.experiment, self.folder, self.planned = spec, folder, len(plan)
         self.provenance = made_by
@@ -482,17 +494,6 @@ class Store(StoreFile):
             raise InvalidInputError(
                 f"cannot write recordings to {folder}: {error.strerror or error}"
             ) from None
-
-
-def _meta(
-    spec: ExperimentSpec, folder: Path, made_by: Provenance, asked: int
-) -> list[tuple[str, str]]:
-    return [
-        ("experiment", msgspec.json.encode(spec).decode()),
-        ("folder", str(folder)),
-        ("provenance", msgspec.json.encode(made_by).decode()),
-        ("asked", str(asked)),
-    ]
 
 
 def _recordings(path: Path) -> Path:

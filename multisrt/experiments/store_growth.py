@@ -5,6 +5,8 @@ from __future__ import annotations
 import sqlite3
 from pathlib import Path
 
+import msgspec
+
 from multisrt.experiments.crossing import Condition, PlannedRun
 from multisrt.experiments.provenance import Provenance, differences
 from multisrt.experiments.results import can_move_horizon
@@ -19,6 +21,18 @@ OTHER_FILE = "choose another file (--store on the command line, store=... in Pyt
 
 _LABELS = Condition.__struct_fields__
 _PLACE = ("position", *_LABELS, "repetition")
+
+
+def meta_of(
+    spec: ExperimentSpec, folder: Path, made_by: Provenance, planned: int
+) -> list[tuple[str, str]]:
+    """Return names and values for the table `meta` of an experiment with a number of runs."""
+    return [
+        ("experiment", msgspec.json.encode(spec).decode()),
+        ("folder", str(folder)),
+        ("provenance", msgspec.json.encode(made_by).decode()),
+        ("asked", str(planned)),
+    ]
 
 
 def require_continuable(

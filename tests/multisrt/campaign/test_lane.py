@@ -80,6 +80,20 @@ def test_a_run_that_hangs_and_one_that_takes_its_process_down(monkeypatch):
         process.close()
 
 
+@pytest.mark.parametrize(
+    ("outcome", "asked"), [("over_memory", 2), ("lost", 2), ("error", 1), ("complete", 1)]
+)
+def test_what_the_machine_may_have_done_is_tried_again(monkeypatch, outcome, asked):
+    told = iter([Told(Verdict(outcome=outcome), None), Told(Verdict(outcome="stalled"), None)])
+    closed = []
+    process = MissionProcess(1)
+    monkeypatch.setattr(process, "_ask", lambda job, limit_s: next(told))
+    monkeypatch.setattr(process, "close", lambda: closed.append(True))
+    found = process.ask(Judge(spec=SPEC)).verdict.outcome
+    assert found == ("stalled" if asked == 2 else outcome)
+    assert len(closed) == asked - 1
+
+
 @pytest.mark.slow
 def test_recording_and_replay_of_a_failure_are_left(tmp_path):
     found = Violation(invariant="planted", says="it broke")

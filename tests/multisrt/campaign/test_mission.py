@@ -133,6 +133,21 @@ def test_messages_of_errors_are_one_line_and_not_long():
     assert len(text) < 450
 
 
+def test_want_of_memory_is_told_from_other_errors(monkeypatch):
+    def lacks(*args, **options):
+        raise MemoryError
+
+    with monkeypatch.context() as patch:
+        patch.setattr(mission, "check", lacks)
+        judged = judge(RunSpec(environment=HALL, strategy="closest"))
+    monkeypatch.setattr(mission, "set_up", lacks)
+    for verdict in (judged, judge(RunSpec(environment=HALL, strategy="closest"))):
+        assert (verdict.outcome, verdict.digest) == ("over_memory", "")
+        (found,) = verdict.violations
+        assert found.invariant == "no-error"
+        assert found.says.startswith("MemoryError in test_mission.py:")
+
+
 def test_an_error_in_drawing_is_a_violation(monkeypatch):
     def fails(seed, number, trying):
         raise RuntimeError("a hole without a shell")

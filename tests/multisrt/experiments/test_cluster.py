@@ -136,6 +136,7 @@ if __name__ == "__main__":
             assert process.returncode == 1
             errors = process.stderr.read()
     assert f"lost the scheduler at '{address}'; finished runs are stored" in errors
+    assert len(errors.splitlines()) == 1
     with Store.open(path) as store:
         assert store.done >= 2
 

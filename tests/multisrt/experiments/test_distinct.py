@@ -60,13 +60,30 @@ def test_runs_that_cannot_have_twins_do_not_wait(path):
 
 
 def test_a_crash_says_nothing_of_its_twins(path):
-    with Store.create_or_open(path, experiment(repetitions=3)) as store:
+    with Store.create_or_open(path, experiment(repetitions=4)) as store:
         twins = Twins(store)
         (first,) = twins.next_batch()
         store.add(result_of(first, "crashed"))
         assert twins.copies() == []
-        assert len(twins.next_batch()) == 2
-        assert len(store.missing()) == 2
+        assert len(store.missing()) == 3
+        # The next one is made alone: it may crash as well, or decide what the others are.
+        (second,) = twins.next_batch()
+        assert (first.repetition, second.repetition) == (0, 1)
+        store.add(result_of(second, "over_memory"))
+        (third,) = twins.next_batch()
+        store.add(result_of(third, chance=False))
+        assert [(copy.repetition, copy.same_as) for copy in twins.copies()] == [(3, 2)]
+
+
+def test_after_a_crash_twins_by_chance_do_not_wait_again(path):
+    with Store.create_or_open(path, experiment(repetitions=5)) as store:
+        first, second, third, *_ = store.runs()
+        store.add(result_of(first, "crashed"))
+        assert [run.repetition for run in Twins(store).next_batch()] == [1]
+        store.add(result_of(second, chance=True))
+        assert [run.repetition for run in Twins(store).next_batch()] == [2, 3, 4]
+        store.add(result_of(third, "crashed"))
+        assert [run.repetition for run in Twins(store).next_batch()] == [3, 4]
 
 
 @pytest.mark.slow

@@ -184,7 +184,9 @@ def test_partial_recordings_are_removed(path):
         whole = store.recording_path("abc")
         part = whole.with_name("def.jsonl.part")
         whole.write_text("{}")
-        part.write_text("{")
+        part.write_text("{")  # as of a run whose process is ended by an interrupt
+    assert not part.exists()
+    part.write_text("{")  # as by a process that was killed
     with Store.create_or_open(path, SPEC):
         assert whole.exists()
         assert not part.exists()

@@ -1,0 +1,1 @@
+"""Experiments and campaigns on machines that break: ``python -m benchmarks.machines``."""

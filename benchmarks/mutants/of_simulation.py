@@ -44,10 +44,10 @@ MUTANTS: Final = (
     ),
     Mutant(
         name="region-beyond-walls",
-        breaks="Regions of exact scans are shifted by 1 mm, into walls.",
+        breaks="Regions of exact scans are shifted by 0.3 mm, into walls.",
         file="geometry/regions/safe_region.py",
         old="boundary, tags = scan.boundary, scan.tags",
-        new="boundary, tags = scan.boundary + 1e-3, scan.tags",
+        new="boundary, tags = scan.boundary + 2e-4, scan.tags",
     ),
     Mutant(
         name="message-after-death",

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import multisrt
-from benchmarks.mutants import campaigns, command
+from benchmarks.mutants import command
 from benchmarks.mutants.campaigns import Campaigns, finding_of
 from benchmarks.mutants.catalogue import CONTROL, MUTANTS
 from benchmarks.mutants.command import main
@@ -148,7 +148,7 @@ def test_a_program_that_does_not_start_is_an_error(tmp_path, monkeypatch, capsys
     def fails(*given, **options):
         return subprocess.CompletedProcess(given, 3, "", "no such module")
 
-    monkeypatch.setattr(campaigns.subprocess, "run", fails)
+    monkeypatch.setattr("benchmarks.mutants.campaigns.subprocess.run", fails)
     assert main(["--out", str(tmp_path), "--only", SPEED]) == 2
     assert f"the campaign of {SPEED} ended with 3: no such module" in capsys.readouterr().err
 

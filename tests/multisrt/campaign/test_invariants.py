@@ -13,6 +13,7 @@ from multisrt.campaign.invariants import INVARIANTS, JudgedRun, check, measures,
 from multisrt.campaign.tracks import Track
 from multisrt.environments.environment import Environment
 from multisrt.events import (
+    AnyEvent,
     BaseLearned,
     CameBack,
     Collision,
@@ -388,9 +389,9 @@ def test_the_dead_and_those_switched_on_late_are_silent_meanwhile():
         LateStart(robot=0, time_s=5.0),
         Death(robot=0, time_s=7.0),
     )
-    events = [Joined(time_s=5.0, robot=0), FellSilent(time_s=5.0, robot=0), died(7.0)]
-    assert broken(written(events, faults=faults), "starts-and-faults") == ""
-    said = broken(written(events[:2], faults=faults[:2]), "starts-and-faults")
+    events: list[AnyEvent] = [Joined(time_s=5.0, robot=0), FellSilent(time_s=5.0, robot=0)]
+    assert broken(written([*events, died(7.0)], faults=faults), "starts-and-faults") == ""
+    said = broken(written(events, faults=faults[:2]), "starts-and-faults")
     assert "never works again, which is due, 8.00 s" in said
 
 

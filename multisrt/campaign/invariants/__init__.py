@@ -29,7 +29,7 @@ from multisrt.campaign.invariants.hearing import hearers_learn
 from multisrt.campaign.invariants.knowledge import knowledge_by_scan_or_message
 from multisrt.campaign.invariants.links import messages_over_links, reaches_all_in_reach
 from multisrt.campaign.invariants.measures import measures_consistent
-from multisrt.campaign.invariants.merging import merge_order
+from multisrt.campaign.invariants.merging import closings_are_for_some, merge_order
 from multisrt.campaign.invariants.motion import motion_continuous, motion_within_drive
 from multisrt.campaign.invariants.starting import starts_and_faults
 from multisrt.campaign.invariants.waiting import waits_within_limits
@@ -54,6 +54,7 @@ INVARIANTS: Final[Mapping[str, Invariant]] = MappingProxyType(
         "knowledge-by-scan-or-message": knowledge_by_scan_or_message,
         "hearers-learn": hearers_learn,
         "merge-order": merge_order,
+        "closings-are-for-some": closings_are_for_some,
         "complete-is-complete": complete_is_complete,
         "boxed-in-is-boxed-in": boxed_in_is_boxed_in,
         "waits-within-limits": waits_within_limits,

@@ -14,6 +14,7 @@ from multisrt.campaign.tracks import Track
 from multisrt.environments.environment import Environment
 from multisrt.events import (
     AnyEvent,
+    ArcClosed,
     BaseLearned,
     CameBack,
     Collision,
@@ -658,6 +659,32 @@ def test_maps_that_depend_on_the_order_are_found(bids, srt, monkeypatch):
     )
     for run in (bids, srt):
         assert "merged in another order, gives other nodes" in broken(run, "merge-order")
+
+
+@pytest.mark.parametrize(
+    ("closer", "reason", "whose"),
+    [
+        (1, "not reachable", "robot 0"),
+        (0, "not reachable", "robot 1"),
+        (0, "too narrow", "robot 1"),
+        (1, "too narrow", ""),
+        (0, "seen from near", ""),
+    ],
+)
+def test_closings_of_others_that_are_applied_are_found(monkeypatch, closer, reason, whose):
+    # Robot 1 is narrower than robot 0, and closes the arcs of the first node of robot 0.
+    robots = (RobotSpec(), RobotSpec(footprint="disc:0.2"))
+    spec = RunSpec(environment=OPEN, robots=robots, seed=3, stop=StopRule(max_time_s=1.0))
+    run = executed(spec)
+    first = next(node for node in run.recording.of(NodeAdded) if node.robot == 0)
+    ends = zip(first.boundary, (*first.boundary[1:], first.boundary[0]), strict=True)
+    arc = tuple((*p, *q) for (p, q), tag in zip(ends, first.tags, strict=True) if tag == "1")
+    closed = ArcClosed(time_s=1.0, robot=closer, node=(0, first.serial), reason=reason, arc=arc)
+    tampered = changed(run, extra=[closed])
+    assert broken(tampered, "closings-are-for-some") == ""
+    monkeypatch.setattr(ExplorationMap, "_applies", lambda known, closing: True)
+    said = broken(tampered, "closings-are-for-some")
+    assert (f"changes the map of {whose}: with 1 such arcs" in said) if whose else not said
 
 
 def test_rasters_that_depend_on_the_order_are_found(bids, monkeypatch):

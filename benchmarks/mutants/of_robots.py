@@ -13,6 +13,10 @@ MUTANTS: Final = (
         file="robots/multi_srt/roster.py",
         old="if self._unanswered[number] <= self.patience:",
         new="if self._unanswered[number] >= 0:",
+        unfound=(
+            "most waits for a robot that is dead end by max_rounds as well; it has to die while "
+            "it moves towards others, and the run to go on for minutes"
+        ),
     ),
     Mutant(
         name="master-forgets-a-member",
@@ -72,6 +76,10 @@ MUTANTS: Final = (
         file="robots/frontier/progress.py",
         old="return self._waits_here() < self._options.max_waits",
         new="return self._waits_here() < math.inf",
+        unfound=(
+            "a robot that answers, and has no place to leave to, has to stand before the last "
+            "frontiers for longer than all limits together"
+        ),
     ),
     Mutant(
         name="coverage-counted-twice",

@@ -77,7 +77,9 @@ def page(findings: Mapping[str, Finding], seed: int) -> str:
         )
     control = findings.get(CONTROL)
     if control is not None:
-        failed = "one of them failed" if control.mission is not None else "none of them failed"
+        failed = "none of them failed"
+        if control.mission is not None:
+            failed = f"failed in the last ({', '.join(control.invariants)}: {control.says})"
         said += f". The program as it is made {control.missions} missions, and {failed}"
     return "\n".join(
         [
@@ -92,8 +94,8 @@ def page(findings: Mapping[str, Finding], seed: int) -> str:
             f"{said}.",
             "",
             "*missions* is how many it took, *found by* names all invariants that the mission "
-            "violated. Times are those of one process on a busy machine, of which about 10 s go "
-            "into its start.",
+            "violated. Times are those of one process on a machine that was "
+            "busy with other things, and include its start.",
             "",
             markdown_table(COLUMNS, rows_of((*MUTANTS, CONTROL), findings)),
             "",

@@ -166,6 +166,7 @@ def test_the_page_is_made_from_what_is_kept(tmp_path, monkeypatch):
     assert rows[SPEED].endswith("| `ends`, `no-error` | 3 | 12 |")
     assert rows[CONTROL].endswith("| nothing | 900, none failed | 12 |")
     assert rows["overheard"].endswith("| not tried yet |  |  |")
+    assert page({CONTROL: finding(CONTROL, 7)}, 0).count("failed in the last (ends, no-error") == 1
     assert text == page({SPEED: finding(SPEED, 3), CONTROL: finding(CONTROL, None, 900)}, 0)
 
 

@@ -14,8 +14,8 @@ MUTANTS: Final = (
         old="if self._unanswered[number] <= self.patience:",
         new="if self._unanswered[number] >= 0:",
         unfound=(
-            "most waits for a robot that is dead end by max_rounds as well; it has to die while "
-            "it moves towards others, and the run to go on for minutes"
+            "few draws have a death in a team of this family and go on for the four minutes and "
+            "more that all limits allow; in runs that do, waits-within-limits finds it"
         ),
     ),
     Mutant(
@@ -77,8 +77,8 @@ MUTANTS: Final = (
         old="return self._waits_here() < self._options.max_waits",
         new="return self._waits_here() < math.inf",
         unfound=(
-            "a robot that answers, and has no place to leave to, has to stand before the last "
-            "frontiers for longer than all limits together"
+            "probably since a robot that answers has to bar the way to the last frontiers for "
+            "longer than all limits together"
         ),
     ),
     Mutant(

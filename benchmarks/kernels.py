@@ -215,7 +215,7 @@ def frontier(beams: int | None, at_least: float, nodes: int = 3000) -> Claim:
 
     def ours(i: int) -> np.ndarray:
         candidates = frontier_candidates(known[i].boundary, known[i].tags)
-        return uncovered(candidates, rings.arrays, neighbours[i])[0]
+        return uncovered(candidates, rings.arrays(neighbours[i]), neighbours[i])[0]
 
     def theirs(i: int) -> BaseGeometry:
         # The tagged pieces as lines, minus the neighbours that touch them, one by one: faster

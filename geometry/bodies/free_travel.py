@@ -19,6 +19,7 @@ import numpy as np
 from multisrt.geometry.bodies.fitting import TOLERANCE_M, pose_is_inside
 from multisrt.geometry.numerics.arrays import BoolArray, FloatArray, IntArray
 from multisrt.geometry.numerics.kernel import kernel
+from multisrt.geometry.numerics.rings import RingArrays, corners_of
 from multisrt.geometry.numerics.segments import squared_distance
 
 CLEARLY_M: Final = 1e-6
@@ -153,8 +154,7 @@ def free_travel_disc_fan(
 @kernel
 def disc_bridges(
     places: FloatArray,
-    corners: FloatArray,
-    starts: IntArray,
+    rings: RingArrays,
     pairs: IntArray,
     radius: float,
 ) -> BoolArray:
@@ -167,10 +167,8 @@ def disc_bridges(
     ----------
     places : (n, 2) array
         Centres of the disc in metres.
-    corners : (c, 2) array
-        Corners of the regions around all places in metres.
-    starts : (n + 1,) array of int
-        The ring around place k is ``corners[starts[k]:starts[k + 1]]``.
+    rings : RingArrays
+        The regions around the places, with the corners of those in the pairs.
     pairs : (m, 2) array of int
         Start and end of each motion, as indices of places.
     radius : float
@@ -189,10 +187,9 @@ def disc_bridges(
         length = math.hypot(dx, dy)
         if length > 0.0:
             ux, uy = dx / length, dy / length
-            ring = corners[starts[a] : starts[a + 1]]
-            reached = free_travel_disc(ring, x, y, ux, uy, radius, length)
+            reached = free_travel_disc(corners_of(rings, a), x, y, ux, uy, radius, length)
             if reached < length:
-                ring = corners[starts[b] : starts[b + 1]]
+                ring = corners_of(rings, b)
                 reached += free_travel_disc(ring, px, py, -ux, -uy, radius, length)
             joined[k] = reached >= length
     return joined

@@ -1,4 +1,4 @@
-"""Many rings in a few growing arrays, with a box around each ring and each of its stretches."""
+"""Many rings, with a box around each, and arrays with the corners of those that are in use."""
 
 from __future__ import annotations
 
@@ -7,11 +7,17 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from multisrt.geometry.numerics.arrays import FloatArray, IntArray, grown, roomier
-from multisrt.geometry.numerics.kernel import kernel
+from multisrt.geometry.numerics.arrays import FloatArray, Int32Array, IntArray, grown, roomier
+from multisrt.geometry.numerics.boxes import bounds_of, intersecting_boxes
+from multisrt.geometry.numerics.kernel import inlined_kernel, kernel
 
 STRETCH: Final = 32
 """Number of consecutive edges that share a box, which rules them out together."""
+
+ROOM: Final = 1 << 17
+"""Number of corners that are held in arrays, unless more are needed at once."""
+
+ABSENT: Final = -1
 
 
 class RingArrays(NamedTuple):
@@ -19,17 +25,18 @@ class RingArrays(NamedTuple):
 
     Attributes
     ----------
-    starts : (n + 1,) array of int
-        Ring k has the corners ``corners[starts[k]:starts[k + 1]]``.
+    spans : (n, 3) array of int
+        For each ring, the row of its first corner, `ABSENT` if its corners are not in the arrays;
+        the number of its corners; and the row of its first stretch.
     corners : (c, 2) array
-        The corners of all rings in metres, each ring counter-clockwise.
+        The corners of rings in metres, each ring counter-clockwise.
     boxes : (n, 4) array
         x0, y0, x1, y1 of every ring in metres.
     stretches : (s, 4) array
-        Boxes around each `STRETCH` edges of a ring, from row `first_stretch` on.
+        Boxes around each `STRETCH` edges of a ring.
     """
 
-    starts: IntArray
+    spans: Int32Array
     corners: FloatArray
     boxes: FloatArray
     stretches: FloatArray
@@ -38,15 +45,14 @@ class RingArrays(NamedTuple):
 class Rings:
     """A growing sequence of rings.
 
+    The rings are held as they were given, so that several sequences share those that they have in
+    common. Kernels take arrays with the corners of the rings that are asked for together; those
+    of others stay there as long as there is room.
+
     Parameters
     ----------
     rings : iterable of (m, 2) arrays
         The first rings in metres, each counter-clockwise.
-
-    Attributes
-    ----------
-    arrays : RingArrays
-        All rings. Adding one changes nothing of those that are there.
 
     Examples
     --------
@@ -55,98 +61,168 @@ class Rings:
     1
     >>> rings.ring(0).tolist()
     [[0.0, 0.0], [2.0, 0.0], [0.0, 1.0]]
-    >>> rings.arrays.boxes[1].tolist()
+    >>> rings.boxes[1].tolist()
     [5.0, 5.0, 6.0, 6.0]
+    >>> arrays = rings.arrays(np.array([1]))
+    >>> first, count, _ = arrays.spans[1].tolist()
+    >>> arrays.corners[first : first + count].tolist()
+    [[5.0, 5.0], [6.0, 5.0], [6.0, 6.0]]
     """
 
-    __slots__ = ("_count", "_end", "arrays")
+    __slots__ = ("_arrays", "_corners", "_rings", "_stretches")
 
     def __init__(self, rings: Iterable[FloatArray] = ()) -> None:
-        self.arrays = RingArrays(
-            starts=np.zeros(1, np.int64),
-            corners=np.empty((4096, 2)),
+        self._rings: list[FloatArray] = []
+        self._arrays = RingArrays(
+            spans=np.empty((0, 3), np.int32),
+            corners=np.empty((0, 2)),
             boxes=np.empty((0, 4)),
             stretches=np.empty((0, 4)),
         )
-        self._count = self._end = 0
+        # Rows of corners and of stretches that are taken.
+        self._corners = self._stretches = 0
         for ring in rings:
             self.add(ring)
 
     def __len__(self) -> int:
-        return self._count
+        return len(self._rings)
+
+    @property
+    def boxes(self) -> FloatArray:
+        """The boxes of all rings, ``(n, 4)``; there may be spare rows at the end."""
+        return self._arrays.boxes
+
+    @property
+    def sizes(self) -> Int32Array:
+        """The numbers of corners of all rings; there may be spare rows at the end."""
+        return self._arrays.spans[:, 1]
 
     def add(self, ring: FloatArray) -> int:
-        """Add a ring, ``(m, 2)`` counter-clockwise, and return its index."""
-        index, last = self._count, self._end + len(ring)
-        if index == len(self.arrays.boxes) or last > len(self.arrays.corners):
-            self._make_room(last)
-        _add(index, ring, self.arrays)
-        self._count, self._end = index + 1, last
+        """Add a ring, ``(m, 2)`` counter-clockwise, which must not change, and return its index."""
+        index, held = len(self._rings), self._arrays
+        if index == len(held.boxes):
+            room = roomier(index, index + 1)
+            self._arrays = held._replace(
+                spans=grown(held.spans, room), boxes=grown(held.boxes, room)
+            )
+        ring = np.ascontiguousarray(ring, np.float64)
+        self._rings.append(ring)
+        self._arrays.spans[index] = ABSENT, len(ring), ABSENT
+        self._arrays.boxes[index] = bounds_of(ring)
         return index
 
     def ring(self, index: int) -> FloatArray:
-        """Return the corners of a ring, ``(m, 2)``, as a view."""
-        first, last = self.arrays.starts[index : index + 2].tolist()
-        return self.arrays.corners[first:last]
+        """Return the corners of a ring, ``(m, 2)``."""
+        return self._rings[index]
 
-    def _make_room(self, corners: int) -> None:
-        held = self.arrays
-        count, room = len(held.boxes), len(held.corners)
-        if self._count == count:
-            count = roomier(count, count + 1)
-        if corners > room:
-            room = roomier(room, corners)
-        self.arrays = RingArrays(
-            starts=grown(held.starts, count + 1),
-            corners=grown(held.corners, room),
-            boxes=grown(held.boxes, count),
-            stretches=grown(held.stretches, room // STRETCH + count),
-        )
+    def meeting(
+        self, indices: IntArray, box: tuple[float, float, float, float], apart_m: float = 0.0
+    ) -> IntArray:
+        """Return those of some rings whose boxes are at most `apart_m` from another box.
+
+        Parameters
+        ----------
+        indices : (k,) array of int
+            The rings.
+        box : (x0, y0, x1, y1)
+            The other box, in metres.
+        apart_m : float
+            In metres.
+
+        Returns
+        -------
+        (m,) array of int
+            In their order.
+        """
+        found = np.empty_like(indices)
+        slacks = np.full(len(indices), apart_m)
+        return indices[found[: intersecting_boxes(self.boxes[indices], slacks, box, found)]]
+
+    def arrays(self, indices: IntArray) -> RingArrays:
+        """Return all rings as kernels take them, with the corners of some.
+
+        Parameters
+        ----------
+        indices : (k,) array of int
+            The rings whose corners are needed, each once.
+
+        Returns
+        -------
+        RingArrays
+            Valid until corners of other rings are asked for, or a ring is added.
+        """
+        missing = indices[self._arrays.spans[indices, 0] == ABSENT]
+        if len(missing):
+            if not self._makes_room(missing):
+                self._empty(indices)
+                missing = indices
+            for index in missing.tolist():
+                self._corners, self._stretches = _load(
+                    index, self._rings[index], self._arrays, self._corners, self._stretches
+                )
+        return self._arrays
+
+    def _makes_room(self, missing: IntArray) -> bool:
+        # Make room for the corners of more rings, unless there are too many.
+        held, sizes = self._arrays, self.sizes[missing]
+        corners = self._corners + int(sizes.sum())
+        stretches = self._stretches + int(_stretches(sizes).sum())
+        if corners > ROOM:
+            return False
+        if corners > len(held.corners):
+            room = min(roomier(len(held.corners), corners), ROOM)
+            self._arrays = held._replace(corners=grown(held.corners, room))
+        if stretches > len(held.stretches):
+            room = roomier(len(held.stretches), stretches)
+            self._arrays = self._arrays._replace(stretches=grown(held.stretches, room))
+        return True
+
+    def _empty(self, indices: IntArray) -> None:
+        # Drop all corners, and make room for those of some rings.
+        held, sizes = self._arrays, self.sizes[indices]
+        held.spans[:, 0] = ABSENT
+        corners, stretches = max(ROOM, int(sizes.sum())), int(_stretches(sizes).sum())
+        if corners != len(held.corners):
+            held = held._replace(corners=grown(held.corners[:0], corners))
+        if stretches > len(held.stretches):
+            held = held._replace(stretches=grown(held.stretches[:0], stretches))
+        self._arrays = held
+        self._corners = self._stretches = 0
+
+
+@inlined_kernel
+def corners_of(rings: RingArrays, index: int) -> FloatArray:
+    """Return the corners of a ring that are in the arrays."""
+    first = rings.spans[index, 0]
+    return rings.corners[first : first + rings.spans[index, 1]]
+
+
+def _stretches(sizes: Int32Array) -> Int32Array:
+    # The numbers of stretches of rings.
+    return (sizes + (STRETCH - 1)) // STRETCH
 
 
 @kernel
-def first_stretch(index: int, start: int) -> int:
-    """Return the row of a ring's first stretch.
-
-    Parameters
-    ----------
-    index : int
-        Index of the ring.
-    start : int
-        Index of its first corner.
-    """
-    # No ring needs more rows than lie between this and the first of the next ring.
-    return start // STRETCH + index
-
-
-@kernel
-def _add(
-    index: int,
-    ring: FloatArray,
-    arrays: RingArrays,
-) -> None:
-    # Write a ring's corners, its box and those of its stretches. The edges of a stretch are
-    # those that end at its corners: the first of them begins at the corner before.
-    starts, corners, boxes, stretches = arrays
-    start = starts[index]
-    stop = start + ring.shape[0]
-    starts[index + 1] = stop
-    for c in range(ring.shape[0]):
-        corners[start + c, 0], corners[start + c, 1] = ring[c, 0], ring[c, 1]
-    row = first_stretch(index, start)
-    low_x, low_y, high_x, high_y = np.inf, np.inf, -np.inf, -np.inf
-    before = stop - 1
-    for first in range(start, stop, STRETCH):
-        x0 = x1 = corners[before, 0]
-        y0 = y1 = corners[before, 1]
-        for c in range(first, min(first + STRETCH, stop)):
-            x0, x1 = min(x0, corners[c, 0]), max(x1, corners[c, 0])
-            y0, y1 = min(y0, corners[c, 1]), max(y1, corners[c, 1])
+def _load(
+    index: int, ring: FloatArray, arrays: RingArrays, corner: int, stretch: int
+) -> tuple[int, int]:
+    # Write a ring's corners and the boxes of its stretches from given rows on, and return the rows
+    # behind them. The edges of a stretch are those that end at its corners: the first of them
+    # begins at the corner before.
+    spans, corners, _, stretches = arrays
+    spans[index, 0], spans[index, 2] = corner, stretch
+    before = ring.shape[0] - 1
+    for first in range(0, ring.shape[0], STRETCH):
+        x0 = x1 = ring[before, 0]
+        y0 = y1 = ring[before, 1]
+        for c in range(first, min(first + STRETCH, ring.shape[0])):
+            x, y = ring[c, 0], ring[c, 1]
+            corners[corner, 0], corners[corner, 1] = x, y
+            x0, x1 = min(x0, x), max(x1, x)
+            y0, y1 = min(y0, y), max(y1, y)
+            corner += 1
             before = c
-        stretches[row, 0], stretches[row, 1] = x0, y0
-        stretches[row, 2], stretches[row, 3] = x1, y1
-        row += 1
-        low_x, high_x = min(low_x, x0), max(high_x, x1)
-        low_y, high_y = min(low_y, y0), max(high_y, y1)
-    boxes[index, 0], boxes[index, 1] = low_x, low_y
-    boxes[index, 2], boxes[index, 3] = high_x, high_y
+        stretches[stretch, 0], stretches[stretch, 1] = x0, y0
+        stretches[stretch, 2], stretches[stretch, 3] = x1, y1
+        stretch += 1
+    return corner, stretch

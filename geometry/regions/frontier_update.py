@@ -100,7 +100,7 @@ def frontier_changes(
     ids : (m, 2) array of int
         An id for every region, compared by its first column, then by its second.
     rings : RingArrays
-        The boundaries of all regions, the new one included.
+        All regions, with the corners of the new one and those near by.
     held : PieceArrays
         The pieces of all others.
 

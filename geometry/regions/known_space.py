@@ -13,7 +13,7 @@ import numpy as np
 
 from multisrt.geometry.numerics.distances import inside
 from multisrt.geometry.numerics.kernel import BoolArray, FloatArray, IntArray, kernel
-from multisrt.geometry.numerics.rings import RingArrays, Rings
+from multisrt.geometry.numerics.rings import RingArrays, Rings, corners_of
 from multisrt.geometry.numerics.segments import cross_each_other, squared_distance
 from multisrt.geometry.regions.union_border import UnionBorder
 
@@ -73,7 +73,8 @@ class KnownSpace:
 
     def holds(self, places: FloatArray) -> BoolArray:
         """Return which places, ``(n, 2)`` in metres, lie inside the union and the window."""
-        found: BoolArray = _holds(places, self._window, self._indices, self._rings.arrays)
+        rings = self._rings.arrays(self._indices)
+        found: BoolArray = _holds(places, self._window, self._indices, rings)
         return found
 
     def clearances(self, places: FloatArray, at_most_m: float) -> FloatArray:
@@ -138,7 +139,7 @@ def _holds(
     indices: IntArray,
     rings: RingArrays,
 ) -> BoolArray:
-    starts, corners, boxes = rings.starts, rings.corners, rings.boxes
+    boxes = rings.boxes
     x0, y0, x1, y1 = window
     holds = np.zeros(places.shape[0], np.bool_)
     for i in range(places.shape[0]):
@@ -149,7 +150,7 @@ def _holds(
             if (
                 boxes[k, 0] <= x <= boxes[k, 2]
                 and boxes[k, 1] <= y <= boxes[k, 3]
-                and inside(corners[starts[k] : starts[k + 1]], x, y)
+                and inside(corners_of(rings, k), x, y)
             ):
                 holds[i] = True
                 break

@@ -19,7 +19,7 @@ from multisrt.geometry.numerics.kernel import (
     kernel,
     unsigned,
 )
-from multisrt.geometry.numerics.rings import STRETCH, RingArrays, first_stretch
+from multisrt.geometry.numerics.rings import STRETCH, RingArrays
 
 OUTWARD_M: Final = 1e-6
 """Distance in metres by which segments are shifted to their right before they are compared.
@@ -85,7 +85,7 @@ def uncovered(
         Directed segments x0, y0, x1, y1 in metres; the region that they bound is on their left.
         What is compared with the polygons lies `OUTWARD_M` to their right.
     rings : RingArrays
-        Polygons, as `Rings` holds them.
+        Polygons, with the corners of those to subtract.
     ids : (k,) array of int
         Indices of the polygons to subtract.
 
@@ -103,7 +103,7 @@ def uncovered(
     >>> from multisrt.geometry.numerics.rings import Rings
     >>> square = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]])
     >>> segments = np.array([[-1.0, 1.0, 3.0, 1.0], [5.0, 1.0, 6.0, 1.0]])
-    >>> rest, source = uncovered(segments, Rings([square]).arrays, np.array([0]))
+    >>> rest, source = uncovered(segments, Rings([square]).arrays(np.array([0])), np.array([0]))
     >>> rest.tolist()
     [[-1.0, 1.0, 0.0, 1.0], [2.0, 1.0, 3.0, 1.0], [5.0, 1.0, 6.0, 1.0]]
     >>> source.tolist()
@@ -112,7 +112,7 @@ def uncovered(
     order = ids.copy()
     longest, total = 0, 0
     for k in range(ids.shape[0]):
-        size = rings.starts[ids[k] + 1] - rings.starts[ids[k]]
+        size = rings.spans[ids[k], 1]
         longest = max(longest, size)
         total += size
     crossings = np.empty(longest + 1)
@@ -180,8 +180,9 @@ def crossings_with(line: Line, rings: RingArrays, index: int, crossings: FloatAr
     """Note where a ring crosses a line, in metres along it, ascending; return the number."""
     ux, uy = line.ux, line.uy
     p = unsigned(index)
-    ring = rings.corners[rings.starts[p] : rings.starts[p + unsigned(1)]]
-    boxes, row = rings.stretches, unsigned(first_stretch(index, rings.starts[p]))
+    first_corner = rings.spans[p, 0]
+    ring = rings.corners[first_corner : first_corner + rings.spans[p, 1]]
+    boxes, row = rings.stretches, unsigned(rings.spans[p, 2])
     # Columns of the corners of a box that lie farthest to the left and to the right of the line.
     left_x, left_y = unsigned(0 if uy > 0.0 else 2), unsigned(3 if ux > 0.0 else 1)
     right_x, right_y = unsigned(2) - left_x, unsigned(4) - left_y

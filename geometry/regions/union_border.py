@@ -15,7 +15,7 @@ from multisrt.geometry.numerics.arrays import (
     roomier,
 )
 from multisrt.geometry.numerics.kernel import inlined_kernel, kernel
-from multisrt.geometry.numerics.rings import RingArrays, Rings
+from multisrt.geometry.numerics.rings import ABSENT, RingArrays, Rings, corners_of
 from multisrt.geometry.regions.segment_difference import (
     MIN_REMAINDER_M,
     MIN_SEGMENT_M,
@@ -38,6 +38,10 @@ ROOM_IN_TABLE: Final = 2
 
 NO_ROW: Final = -1
 FREE: Final = -1
+HASHES: Final = (1 << 31) - 1
+
+MOST_EDGES: Final = 1 << 18
+"""Number of edges of which is kept what is covered, unless more are asked for at once."""
 
 SLACK_M: Final = 1e-5
 """Boxes of rings are widened by this length in metres, as edges are compared beside their rings."""
@@ -48,7 +52,9 @@ class UnionBorder:
 
     It consists of the edges of the rings less what lies inside other rings. Each edge is compared
     once with each ring, when it is asked for: what all rings together cover of it is kept, and
-    only those that have been added since are compared when it is asked for again.
+    only those that have been added since are compared when it is asked for again. When the rings
+    that were asked for have more than `MOST_EDGES` edges, all that was kept is dropped, and what
+    is asked for from then on is compared anew.
 
     Parameters
     ----------
@@ -71,6 +77,10 @@ class UnionBorder:
 
     def __init__(self, rings: Rings) -> None:
         self._rings = rings
+        self._begin()
+
+    def _begin(self) -> None:
+        # Begin anew, with nothing compared.
         # The row of the first edge of every ring; those that were never asked for have none.
         self._first: Int32Array = np.zeros(0, np.int32)
         self._held = 0
@@ -80,9 +90,9 @@ class UnionBorder:
         self._covers = _Covers(
             span=np.zeros((256, 2)), before=np.zeros(256, np.int32), tally=np.zeros(2, np.int64)
         )
-        # The edges that have been compared, by the hash of their ends: ring, and corner where one
-        # ends.
-        self._table: Int32Array = np.full((256, 2), FREE, np.int32)
+        # The edges that have been compared: the hash of the ends of each, its ring, and the number
+        # of the corner there at which it ends.
+        self._table: Int32Array = np.full((256, 3), FREE, np.int32)
         self._known = 0
 
     def within(self, indices: IntArray, window: Window) -> FloatArray:
@@ -102,17 +112,18 @@ class UnionBorder:
             of the rings and their edges, each once. Pieces shorter than 0.1 mm may be missing.
         """
         self._number(indices)
-        lacks = self._compare(indices, window)
+        others: IntArray = _rings_around(indices, self._rings.boxes, len(self._rings))
+        rings = self._rings.arrays(others)
+        lacks = self._compare(indices, others, window, rings)
         while lacks != ENOUGH:
             self._make_room(lacks)
-            lacks = self._compare(indices, window)
-        rings = self._rings.arrays
+            lacks = self._compare(indices, others, window, rings)
         pieces: FloatArray = _pieces(indices, window, rings, self._first, self._edges, self._covers)
         return pieces
 
     def _number(self, indices: IntArray) -> None:
         # Give rows to the edges of rings that have none.
-        count, starts = len(self._rings), self._rings.arrays.starts
+        count = len(self._rings)
         if len(self._first) < count:
             held = len(self._first)
             self._first = grown(self._first, roomier(held, count))
@@ -120,7 +131,11 @@ class UnionBorder:
         new = indices[self._first[indices] == NO_ROW]
         if not len(new):
             return
-        sizes = starts[new + 1] - starts[new]
+        sizes = self._rings.sizes[new]
+        if self._held and self._held + int(sizes.sum()) > MOST_EDGES:
+            self._begin()
+            self._number(indices)
+            return
         ends = self._held + np.cumsum(sizes)
         self._first[new] = ends - sizes
         self._held = int(ends[-1])
@@ -132,9 +147,12 @@ class UnionBorder:
                 last=grown(edges.last, room),
             )
 
-    def _compare(self, indices: IntArray, window: Window) -> int:
+    def _compare(
+        self, indices: IntArray, others: IntArray, window: Window, rings: RingArrays
+    ) -> int:
         self._known, lacks = _compare(
-            (indices, window, self._rings.arrays, len(self._rings), self._first),
+            (indices, others, window, len(self._rings), self._first),
+            rings,
             self._edges,
             self._covers,
             self._table,
@@ -150,8 +168,8 @@ class UnionBorder:
                 span=grown(covers.span, room), before=grown(covers.before, room)
             )
         else:
-            table: Int32Array = np.full((2 * len(self._table), 2), FREE, np.int32)
-            _rehash(self._table, table, self._rings.arrays)
+            table: Int32Array = np.full((2 * len(self._table), 3), FREE, np.int32)
+            _rehash(self._table, table)
             self._table = table
 
 
@@ -174,7 +192,8 @@ class _Covers(NamedTuple):
 
 @kernel
 def _compare(
-    asked: tuple[IntArray, Window, RingArrays, int, Int32Array],
+    asked: tuple[IntArray, IntArray, Window, int, Int32Array],
+    rings: RingArrays,
     edges: _Edges,
     covers: _Covers,
     table: Int32Array,
@@ -182,15 +201,17 @@ def _compare(
 ) -> tuple[int, int]:
     # Compare edges in the window with the rings that they have not been compared with. Return the
     # number of edges in the table, and what there is not enough room for.
-    indices, window, rings, count, first = asked
-    starts, corners = rings.starts, rings.corners
-    others, longest = _rings_around(indices, rings, count)
+    indices, others, window, count, first = asked
+    longest = 0
+    for n in others:
+        longest = max(longest, rings.spans[n, 1])
     crossings = np.empty(longest + 1)
     for k in indices:
-        px, py = corners[starts[k + 1] - 1]
-        for c in range(starts[k], starts[k + 1]):
+        corners = corners_of(rings, k)
+        px, py = corners[-1]
+        for c in range(corners.shape[0]):
             qx, qy = corners[c]
-            e = first[k] + c - starts[k]
+            e = first[k] + c
             if (
                 edges.state[e] != GONE
                 and edges.compared[e] < count
@@ -219,16 +240,15 @@ def _meets(px: float, py: float, qx: float, qy: float, window: Window) -> bool:
 
 
 @kernel
-def _rings_around(indices: IntArray, rings: RingArrays, count: int) -> tuple[IntArray, int]:
-    # The rings that may meet some rings, the last first, and the most corners that one has.
-    boxes = rings.boxes
+def _rings_around(indices: IntArray, boxes: FloatArray, count: int) -> IntArray:
+    # The rings that may meet some rings, the last first.
     left, low, right, high = np.inf, np.inf, -np.inf, -np.inf
     for k in indices:
         left, low = min(left, boxes[k, 0]), min(low, boxes[k, 1])
         right, high = max(right, boxes[k, 2]), max(high, boxes[k, 3])
     left, low, right, high = left - SLACK_M, low - SLACK_M, right + SLACK_M, high + SLACK_M
     found = np.empty(count, np.int64)
-    held, longest = 0, 0
+    held = 0
     for n in range(count - 1, -1, -1):
         if (
             boxes[n, 0] <= right
@@ -238,8 +258,7 @@ def _rings_around(indices: IntArray, rings: RingArrays, count: int) -> tuple[Int
         ):
             found[held] = n
             held += 1
-            longest = max(longest, rings.starts[n + 1] - rings.starts[n])
-    return found[:held], longest
+    return found[:held]
 
 
 @kernel
@@ -380,31 +399,36 @@ def _is_covered(covered: Intervals, size: int, length: float) -> bool:
 def _enter(table: Int32Array, ring: int, corner: int, rings: RingArrays) -> bool:
     # Enter an edge into a table with room for it; return whether none with its ends was there.
     px, py, qx, qy = _ends(ring, corner, rings)
-    mask = table.shape[0] - 1
-    i = hash((px, py, qx, qy)) & mask
+    key = hash((px, py, qx, qy)) & HASHES
+    i = key & (table.shape[0] - 1)
     while table[i, 0] != FREE:
-        ax, ay, bx, by = _ends(table[i, 0], table[i, 1], rings)
-        if ax == px and ay == py and bx == qx and by == qy:
-            return False
-        i = (i + 1) & mask
-    table[i, 0], table[i, 1] = ring, corner
+        # The rings of edges that are equal meet, so that the corners of both are there.
+        if table[i, 0] == key and rings.spans[table[i, 1], 0] != ABSENT:
+            ax, ay, bx, by = _ends(table[i, 1], table[i, 2], rings)
+            if ax == px and ay == py and bx == qx and by == qy:
+                return False
+        i = (i + 1) & (table.shape[0] - 1)
+    table[i, 0], table[i, 1], table[i, 2] = key, ring, corner
     return True
 
 
 @inlined_kernel
 def _ends(ring: int, corner: int, rings: RingArrays) -> tuple[float, float, float, float]:
-    # The ends of the edge of a ring that ends at a corner.
-    before = (corner if corner > rings.starts[ring] else rings.starts[ring + 1]) - 1
-    px, py = rings.corners[before]
-    qx, qy = rings.corners[corner]
+    # The ends of the edge of a ring that ends at one of its corners.
+    corners = corners_of(rings, ring)
+    px, py = corners[corner - 1]
+    qx, qy = corners[corner]
     return px, py, qx, qy
 
 
 @kernel
-def _rehash(table: Int32Array, larger: Int32Array, rings: RingArrays) -> None:
-    for ring, corner in table:
-        if ring != FREE:
-            _enter(larger, ring, corner, rings)
+def _rehash(table: Int32Array, larger: Int32Array) -> None:
+    for row in range(table.shape[0]):
+        if table[row, 0] != FREE:
+            i = table[row, 0] & (larger.shape[0] - 1)
+            while larger[i, 0] != FREE:
+                i = (i + 1) & (larger.shape[0] - 1)
+            larger[i] = table[row]
 
 
 @kernel
@@ -417,17 +441,17 @@ def _pieces(
     covers: _Covers,
 ) -> FloatArray:
     # What rings leave of the edges in the window.
-    starts, corners = rings.starts, rings.corners
     total = 0
     for k in indices:
-        total += starts[k + 1] - starts[k]
+        total += rings.spans[k, 1]
     segments, numbers = np.empty((total, 4)), np.empty(total, np.int64)
     count = 0
     for k in indices:
-        px, py = corners[starts[k + 1] - 1]
-        for c in range(starts[k], starts[k + 1]):
+        corners = corners_of(rings, k)
+        px, py = corners[-1]
+        for c in range(corners.shape[0]):
             qx, qy = corners[c]
-            e = first[k] + c - starts[k]
+            e = first[k] + c
             if edges.state[e] == KEPT and _meets(px, py, qx, qy, window):
                 segments[count, 0], segments[count, 1] = px, py
                 segments[count, 2], segments[count, 3] = qx, qy

@@ -7,9 +7,11 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from multisrt.geometry.numerics.arrays import grown, roomier
+from multisrt.geometry.numerics.boxes import bounds_of
 from multisrt.geometry.numerics.kernel import FloatArray, IntArray
 from multisrt.geometry.regions.arc_pieces import ArcPieces
 from multisrt.geometry.regions.frontier_arcs import total_length
+from multisrt.geometry.regions.frontier_update import APART_M
 from multisrt.geometry.regions.safe_region import LocalSafeRegion
 from multisrt.robots.knowledge import NodeId
 from multisrt.robots.node_regions import NodeRegions
@@ -84,7 +86,7 @@ class LocalFrontiers:
         region : LocalSafeRegion
             Its region.
         neighbours : (k,) array of int
-            All other nodes whose regions may overlap with it.
+            Other nodes, all whose regions may overlap with it.
 
         Returns
         -------
@@ -95,13 +97,15 @@ class LocalFrontiers:
             count = roomier(number, number + 1)
             self._arcs.make_room(count)
             self._changed = grown(self._changed, count)
+        rings = self._regions.rings
+        neighbours = rings.meeting(neighbours, bounds_of(region.boundary), APART_M)
         changed = self._arcs.add(
             number,
             region,
             self._include_gaps,
             neighbours,
             self._regions.id_rows,
-            self._regions.rings.arrays,
+            rings.arrays(np.append(neighbours, number)),
         )
         self._note_changed(changed)
         return changed

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Final
 
 import numpy as np
 from shapely import Polygon
@@ -21,6 +22,9 @@ from multisrt.geometry.numerics.kernel import BoolArray, FloatArray, IntArray
 from multisrt.geometry.numerics.rings import Rings
 from multisrt.planners.motion.margin import MIN_MARGIN_M
 from multisrt.planners.motion.room import ROUNDING_M, Room
+
+PAIRS_AT_ONCE: Final = 1024
+"""Number of pairs of places whose regions are held in arrays together."""
 
 TOUCH_M = 1e-7
 """Distance in metres by which a disc stays off what it already stands next to."""
@@ -177,8 +181,12 @@ class PlanningBody:
         -------
         (m,) array of bool
         """
-        starts, corners, _, _ = rings.arrays
-        return disc_bridges(places, corners, starts, pairs, self.roomy_radius_m)
+        joined = np.empty(len(pairs), np.bool_)
+        for first in range(0, len(pairs), PAIRS_AT_ONCE):
+            part = slice(first, first + PAIRS_AT_ONCE)
+            arrays = rings.arrays(np.unique(pairs[part]))
+            joined[part] = disc_bridges(places, arrays, pairs[part], self.roomy_radius_m)
+        return joined
 
     def has_room(self, boundary: FloatArray, at: Configuration) -> bool:
         """Whether the body at a position fits into a region in any heading."""

@@ -21,7 +21,7 @@ def take(segments, polygons, ids=None):
     if not polygons:
         return segments
     ids = np.arange(len(polygons)) if ids is None else np.asarray(ids, np.int64)
-    rest, _ = uncovered(segments, Rings(polygons).arrays, ids)
+    rest, _ = uncovered(segments, Rings(polygons).arrays(ids), ids)
     return rest
 
 

@@ -36,16 +36,15 @@ class Regions:
 
     def uncovered(self, segments, ids):
         ids = np.asarray(ids, np.int64)
-        return uncovered(segments, self.rings.arrays, ids)
+        return uncovered(segments, self.rings.arrays(ids), ids)
 
     def candidates(self, index):
         return frontier_candidates(self.regions[index].boundary, self.regions[index].tags)
 
     def add_to(self, arcs: ArcPieces, index: int) -> np.ndarray:
         """Add region `index` after those before it; return the regions whose pieces changed."""
-        return arcs.add(
-            index, self.regions[index], True, np.arange(index), self.ids, self.rings.arrays
-        )
+        rings = self.rings.arrays(np.arange(index + 1))
+        return arcs.add(index, self.regions[index], True, np.arange(index), self.ids, rings)
 
 
 def without_short_arcs(pieces, wholes):

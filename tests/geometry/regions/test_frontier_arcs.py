@@ -76,12 +76,12 @@ def test_the_order_of_the_polygons_makes_no_difference(worlds):
     known = [r.boundary for r in regions(worlds, free, worlds.viewpoints(free, 12, seed=44))]
     segments = np.hstack([known[0], np.roll(known[0], -1, axis=0)])
     others = np.arange(1, len(known))
-    rest, source = uncovered(segments, Rings(known).arrays, others)
+    rest, source = uncovered(segments, Rings(known).arrays(others), others)
     assert 0 < len(np.unique(source)) < len(segments)
     for seed in range(20):
         order = np.random.default_rng(seed).permutation(others)
         asked = order.copy()
-        again, again_source = uncovered(segments, Rings(known).arrays, order)
+        again, again_source = uncovered(segments, Rings(known).arrays(order), order)
         assert np.array_equal(again, rest)
         assert np.array_equal(again_source, source)
         assert np.array_equal(order, asked)
@@ -133,9 +133,9 @@ def test_arcs_by_dense_sampling(worlds, name):
         seen = np.zeros(len(points), bool)
         for polygon in polygons:
             seen |= shapely.contains_xy(polygon, points[:, 0], points[:, 1])
-        rest, source = uncovered(
-            candidates, Rings([o.boundary for o in others]).arrays, np.arange(len(others))
-        )
+        numbers = np.arange(len(others))
+        rings = Rings([o.boundary for o in others]).arrays(numbers)
+        rest, source = uncovered(candidates, rings, numbers)
         for k in range(len(candidates)):
             mine = owner == k
             if not mine.any():

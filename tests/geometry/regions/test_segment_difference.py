@@ -43,7 +43,7 @@ def test_a_square_is_subtracted_from_segments_by_hand(subtracting, segment, left
 
 def test_what_is_left_keeps_its_order_and_its_source():
     segments = np.array([[-1.0, 1, 3, 1], [0.5, 1, 1.5, 1], [-1, 1.5, 3, 1.5]])
-    rest, source = uncovered(segments, Rings([SQUARE]).arrays, np.array([0]))
+    rest, source = uncovered(segments, Rings([SQUARE]).arrays(np.array([0])), np.array([0]))
     assert source.tolist() == [0, 0, 2, 2]
     assert rest[:, 0] == pytest.approx([-1, 2, -1, 2])
 

@@ -1,10 +1,14 @@
 """The border of a growing union, against one that is computed at once."""
 
+from unittest import mock
+
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from multisrt.geometry.numerics.rings import Rings
+from multisrt.geometry.regions import union_border
 from multisrt.geometry.regions.segment_difference import uncovered
 from multisrt.geometry.regions.union_border import UnionBorder
 
@@ -30,7 +34,7 @@ def drawn(rng):
 
 def meeting(rings, window):
     x0, y0, x1, y1 = window
-    boxes = rings.arrays.boxes[: len(rings)]
+    boxes = rings.boxes[: len(rings)]
     return np.flatnonzero(
         (boxes[:, 0] <= x1) & (boxes[:, 2] >= x0) & (boxes[:, 1] <= y1) & (boxes[:, 3] >= y0)
     )
@@ -43,11 +47,19 @@ def computed_at_once(rings, indices, window):
     edges = np.vstack([np.hstack([np.roll(ring, 1, axis=0), ring]) for ring in ends])
     low, high = np.minimum(edges[:, :2], edges[:, 2:]), np.maximum(edges[:, :2], edges[:, 2:])
     inside = (high >= (x0, y0)).all(axis=1) & (low <= (x1, y1)).all(axis=1)
-    return uncovered(np.ascontiguousarray(edges[inside]), rings.arrays, np.arange(len(rings)))[0]
+    everything = np.arange(len(rings))
+    segments = np.ascontiguousarray(edges[inside])
+    return uncovered(segments, rings.arrays(everything), everything)[0]
 
 
-@given(st.integers(0, 100_000))
-def test_a_border_kept_is_one_computed_at_once_to_the_bit(seed):
+@pytest.mark.parametrize("most_edges", [1, 60, union_border.MOST_EDGES])
+@given(seed=st.integers(0, 100_000))
+def test_a_border_kept_is_one_computed_at_once_to_the_bit(most_edges, seed):
+    with mock.patch.object(union_border, "MOST_EDGES", most_edges):
+        compare_with_those_computed_at_once(seed)
+
+
+def compare_with_those_computed_at_once(seed):
     rng = np.random.default_rng(seed)
     rings = Rings([drawn(rng)])
     border = UnionBorder(rings)
@@ -73,6 +85,15 @@ def test_edges_that_are_the_same_are_there_once():
     found = border.within(np.array([0, 2]), window)
     assert found.tolist() == [left, lower, right, upper]
     assert len(border.within(np.array([0, 1, 2]), window)) == 6
+
+
+def test_edges_that_are_kept_are_bounded():
+    boxes = [box(3.0 * k, 0.0, 2.0, 2.0) for k in range(300)]
+    border = UnionBorder(Rings(boxes))
+    with mock.patch.object(union_border, "MOST_EDGES", 100):
+        for k in range(300):
+            assert len(border.within(np.array([k]), (3.0 * k, 0.0, 3.0 * k + 2.0, 2.0))) == 4
+            assert border._held <= 100
 
 
 def test_there_is_room_for_many_edges_and_covers():

@@ -8,7 +8,7 @@ import pytest
 from multisrt.competition.policies import NAMES, PolicySource
 from multisrt.competition.published import SIZES, first_place
 
-ARGUMENTS = ("--any-version", "--maps", "env1", "--steps", "70", "--workers", "1", "--draws", "1")
+ARGUMENTS = ("--any-version", "--maps", "env1", "--steps", "30", "--workers", "1", "--draws", "1")
 
 LOST = """
 from base_policy import BasePolicy

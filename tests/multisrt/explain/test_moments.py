@@ -5,8 +5,10 @@ from typing import get_args
 
 import numpy as np
 import pytest
+from shapely import box
 
 import multisrt as ms
+from multisrt.environments.environment import Environment
 from multisrt.events import Choice, Decision
 from multisrt.explain.moments import moments
 from multisrt.explain.srt import explain
@@ -54,7 +56,8 @@ def test_a_robot_without_decisions_has_none():
 
 
 def test_a_robot_that_drives_a_plan_has_one():
-    recording = ms.explore("open", strategy="informed", seed=1, max_time_s=5.0).recording
+    room = Environment("room", box(0.0, 0.0, 4.0, 3.0))
+    recording = ms.explore(room, strategy="informed", seed=1).recording
     (moment,) = moments(recording, 0)
     assert "a route that was planned on the true map" in moment.lines[0]
     assert explain(recording, 0, 2.0) == f"Robot 0 at 2.00 s: {moment.lines[0]}\n"

@@ -50,6 +50,12 @@ class Walls:
     grown: BaseGeometry
     tree: shapely.STRtree
 
+    def shrunk(self) -> BaseGeometry:
+        """Return free space without what is within `ROUNDING_M` of walls, prepared."""
+        inner = self.free.buffer(-ROUNDING_M, quad_segs=1)
+        shapely.prepare(inner)
+        return inner
+
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class JudgedRun:

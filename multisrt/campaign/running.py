@@ -7,6 +7,7 @@ import threading
 import time
 from collections import Counter
 from collections.abc import Callable, Generator, Iterator
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -56,6 +57,7 @@ def run_campaign(
     workers: int = 1,
     folder: Path | None = None,
     shrunk_each: int = SHRUNK_EACH,
+    stop_at_first: bool = False,
     progress: Watch | None = None,
 ) -> None:
     """Make the missions of a campaign that are not stored yet.
@@ -77,6 +79,8 @@ def run_campaign(
         Folder for the failures; by default beside the store.
     shrunk_each : int
         Failures of one invariant and strategy that are shrunk; others are left as drawn.
+    stop_at_first : bool
+        Whether to end with the first mission that fails; if one has failed already, none is made.
     progress : callable, optional
         Called with the `Progress` at the beginning and after every mission.
 
@@ -114,11 +118,16 @@ def run_campaign(
             )
 
     tell(None)
-    for mission in _made(lanes, numbers):
-        store.add(row_of(mission))
-        done, made = done + 1, made + 1
-        failed += bool(mission.verdict.violations)
-        tell(mission)
+    if stop_at_first and any(row.violations for row in store.rows()):
+        return
+    with closing(_made(lanes, numbers)) as missions_made:
+        for mission in missions_made:
+            store.add(row_of(mission))
+            done, made = done + 1, made + 1
+            failed += bool(mission.verdict.violations)
+            tell(mission)
+            if failed and stop_at_first:
+                return
 
 
 def failures_of(store: Path) -> Path:

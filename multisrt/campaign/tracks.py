@@ -19,8 +19,9 @@ IntArray = NDArray[np.int64]
 STEP_RAD: Final = 1e-3
 """Maximum turn between two of the points that stand for an arc, by default."""
 
-MIN_TURN_RAD: Final = 1e-12
-"""Legs that turn less are straight."""
+MIN_TURN_RAD: Final = 1e-8
+"""Legs that turn less are straight: rounding would move their far centres by more than they bend.
+"""
 
 
 class Track:

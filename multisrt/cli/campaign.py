@@ -104,6 +104,7 @@ def campaign() -> None:
     metavar="N",
     help="Failures of one invariant and strategy that are made smaller.",
 )
+@click.option("--stop-at-first", is_flag=True, help="End with the first mission that fails.")
 @quiet_option("failures and the table")
 def run(
     missions: int | None,
@@ -112,6 +113,7 @@ def run(
     seed: int | None,
     store: Path,
     shrink: int,
+    stop_at_first: bool,
     quiet: bool,
 ) -> None:
     """Make missions and judge them.
@@ -144,6 +146,7 @@ def run(
                     for_s=for_s,
                     workers=workers,
                     shrunk_each=shrink,
+                    stop_at_first=stop_at_first,
                     progress=_watch(live.update, live.tell if live.rewritten else click.echo),
                 )
         except KeyboardInterrupt:

@@ -25,11 +25,13 @@ from multisrt.campaign.invariants.collision import no_collision
 from multisrt.campaign.invariants.completeness import boxed_in_is_boxed_in, complete_is_complete
 from multisrt.campaign.invariants.endings import ends
 from multisrt.campaign.invariants.free_space import free_is_free
+from multisrt.campaign.invariants.hearing import hearers_learn
 from multisrt.campaign.invariants.knowledge import knowledge_by_scan_or_message
-from multisrt.campaign.invariants.links import messages_over_links
+from multisrt.campaign.invariants.links import messages_over_links, reaches_all_in_reach
 from multisrt.campaign.invariants.measures import measures_consistent
-from multisrt.campaign.invariants.merging import merge_order
+from multisrt.campaign.invariants.merging import closings_are_for_some, merge_order
 from multisrt.campaign.invariants.motion import motion_continuous, motion_within_drive
+from multisrt.campaign.invariants.starting import starts_and_faults
 from multisrt.campaign.invariants.waiting import waits_within_limits
 from multisrt.campaign.judged_run import JudgedRun
 from multisrt.campaign.violations import Violation
@@ -42,13 +44,17 @@ Invariant = Callable[[JudgedRun], Violation | None]
 INVARIANTS: Final[Mapping[str, Invariant]] = MappingProxyType(
     {
         "ends": ends,
+        "starts-and-faults": starts_and_faults,
         "motion-continuous": motion_continuous,
         "motion-within-drive": motion_within_drive,
         "no-collision": no_collision,
         "free-is-free": free_is_free,
         "messages-over-links": messages_over_links,
+        "reaches-all-in-reach": reaches_all_in_reach,
         "knowledge-by-scan-or-message": knowledge_by_scan_or_message,
+        "hearers-learn": hearers_learn,
         "merge-order": merge_order,
+        "closings-are-for-some": closings_are_for_some,
         "complete-is-complete": complete_is_complete,
         "boxed-in-is-boxed-in": boxed_in_is_boxed_in,
         "waits-within-limits": waits_within_limits,

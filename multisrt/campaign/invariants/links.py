@@ -1,13 +1,14 @@
-"""Messages come only to robots that the radio reaches."""
+"""Messages come to those that the radio reaches, and to no others."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Final
 
 import numpy as np
 import shapely
+from shapely.geometry.base import BaseGeometry
 
 from multisrt.campaign.bodies import FloatArray
 from multisrt.campaign.judged_run import ROUNDING_M, JudgedRun
@@ -16,9 +17,13 @@ from multisrt.events import Sent
 from multisrt.spec import Silence
 
 NAME: Final = "messages-over-links"
+REACHES_ALL: Final = "reaches-all-in-reach"
 
 ROUNDING_S: Final = 1e-6
 """At the very moment at which a radio fails or works again, both are right, to this (s)."""
+
+TO_ALL: Final = ("no place", "inaccessible")
+"""Kinds of messages that are always sent to all."""
 
 Place = tuple[float, float]
 
@@ -33,41 +38,55 @@ def messages_over_links(run: JudgedRun) -> Violation | None:
 
     Cost: negligible for radios that reach everywhere; else one line for each pair of places.
     """
-    return next(_Links(run).violations(), None)
+    return next(_Links(run).violations(NAME, _Links.wrong), None)
+
+
+def reaches_all_in_reach(run: JudgedRun) -> Violation | None:
+    """Check that a message to all reaches all to which the radio surely has a link, or relays.
+
+    As for `messages_over_links`, with all tolerances the other way: links that are shorter than
+    the range by 1e-6 m, lines that keep 1e-6 m off walls, or through no more walls than weaken them
+    enough; between robots that take part and are not silent. A message counts as one to all if it
+    reaches several, or is of a kind that is never sent to one; to be lost counts as to be reached.
+    A message that reaches nobody is one too many if all others are surely in reach.
+
+    Cost: negligible for radios that reach everywhere; else one line for each pair of places.
+    """
+    links = _Links(run, is_sure=True)
+    return next(links.violations(REACHES_ALL, _Links.missed), None)
 
 
 class _Links:
-    """The links of a run, worked out anew."""
+    """The links of a run, worked out anew: those that may hold, or those that surely do."""
 
-    def __init__(self, run: JudgedRun) -> None:
+    def __init__(self, run: JudgedRun, *, is_sure: bool = False) -> None:
         self._run = run
+        self._slack = -1.0 if is_sure else 1.0
         self._radio = run.recording.spec.radio
         self._robots = len(run.robots)
         self._silences = [f for f in run.recording.spec.faults if isinstance(f, Silence)]
         self._held: dict[tuple[Place, Place], bool] = {}
         self._places: dict[float, FloatArray] = {}
 
-    def violations(self) -> Iterator[Violation]:
-        """Yield messages that cannot have come where they are said to have come."""
+    def violations(
+        self, name: str, wrong_with: Callable[[_Links, Sent], str | None]
+    ) -> Iterator[Violation]:
+        """Yield messages that came where they cannot have come, or not where they must have."""
         sent = self._run.recording.of(Sent)
         self._place_all([message.time_s for message in sent])
         for message in sent:
-            wrong = self._wrong(message)
+            wrong = wrong_with(self, message)
             if wrong is not None:
-                sender = (
-                    "the base station"
-                    if message.robot == self._robots
-                    else f"robot {message.robot}"
-                )
                 yield Violation(
-                    invariant=NAME,
-                    says=f"a message of {sender} at {message.time_s:.2f} s ({message.kind}) "
-                    f"{wrong}",
+                    invariant=name,
+                    says=f"a message of {self._named(message.robot)} at {message.time_s:.2f} s "
+                    f"({message.kind}) {wrong}",
                     robot=message.robot,
                     time_s=message.time_s,
                 )
 
-    def _wrong(self, message: Sent) -> str | None:
+    def wrong(self, message: Sent) -> str | None:
+        """Return what is wrong with a message that came where it cannot have come."""
         receivers, now_s = (*message.reached, *message.lost), message.time_s
         if not receivers:
             return None
@@ -92,22 +111,51 @@ class _Links:
         apart_m = math.dist(places[message.robot], places[far[0]])
         return f"reaches robot {far[0]}, {apart_m:.3f} m away, to which there is no link"
 
+    def missed(self, message: Sent) -> str | None:
+        """Return what is wrong with a message that did not come where it must have."""
+        sender, now_s = message.robot, message.time_s
+        receivers = {*message.reached, *message.lost}
+        is_to_all = len(receivers) > 1 or message.kind in TO_ALL
+        if (receivers and not is_to_all) or not self._works(sender, now_s):
+            return None
+        if self._radio.reaches_everywhere:
+            in_reach = {n for n in self._members if self._works(n, now_s)} - {sender}
+        elif self._radio.multi_hop:
+            in_reach = self._reached(sender, now_s)
+        else:
+            others = [n for n in self._members if n != sender and self._works(n, now_s)]
+            in_reach = {n for n in others if self._holds(sender, n, now_s)}
+        missed = in_reach - receivers
+        if is_to_all and missed:
+            return f"does not reach {self._named(min(missed))}, which is in reach"
+        if missed and len(missed) == len(self._members) - 1:
+            return "reaches nobody, but all others are in reach"
+        return None
+
+    @property
+    def _members(self) -> range:
+        # All that take part in the radio traffic.
+        return range(self._robots + (self._run.recording.spec.base is not None))
+
+    def _named(self, member: int) -> str:
+        return "the base station" if member == self._robots else f"robot {member}"
+
     def _works(self, member: int, time_s: float) -> bool:
         if member == self._robots:
             return True
+        slack_s = self._slack * ROUNDING_S
         on_s, dead_s = self._run.present_s(member)
-        if not on_s - ROUNDING_S <= time_s <= dead_s + ROUNDING_S:
+        if not on_s - slack_s <= time_s <= dead_s + slack_s:
             return False
         return not any(
-            fault.time_s + ROUNDING_S < time_s < fault.time_s + fault.duration_s - ROUNDING_S
+            fault.time_s + slack_s < time_s < fault.time_s + fault.duration_s - slack_s
             for fault in self._silences
             if fault.robot == member
         )
 
     def _reached(self, sender: int, now_s: float) -> set[int]:
         """Return all that are connected to a sender."""
-        base = [] if self._run.recording.spec.base is None else [self._robots]
-        waiting = {n for n in (*self._run.robots, *base) if self._works(n, now_s)} - {sender}
+        waiting = {n for n in self._members if self._works(n, now_s)} - {sender}
         found, relays = set[int](), [sender]
         while relays:
             relay = relays.pop()
@@ -139,12 +187,12 @@ class _Links:
         return self._held[ends]
 
     def _may_hold(self, here: Place, there: Place) -> bool:
-        radio, apart_m = self._radio, math.dist(here, there)
-        if apart_m > radio.reach_m + ROUNDING_M:
+        radio, apart_m, slack_m = self._radio, math.dist(here, there), self._slack * ROUNDING_M
+        if apart_m > radio.reach_m + slack_m:
             return False
         if radio.walls == "pass":
             return True
-        line, free = shapely.LineString([here, there]), self._run.walls.grown
+        line, free = shapely.LineString([here, there]), self._free
         if shapely.covers(free, line):
             return True
         if radio.walls == "block":
@@ -152,4 +200,9 @@ class _Links:
         walls = len(shapely.get_parts(shapely.difference(line, free)))
         # 10 n log10(distance / range) + the loss of all walls <= 0.
         weaker = radio.wall_loss_db * walls / (10.0 * radio.path_loss_exponent)
-        return bool(apart_m <= radio.reach_m * 10.0**-weaker + ROUNDING_M)
+        return bool(apart_m <= radio.reach_m * 10.0**-weaker + slack_m)
+
+    @property
+    def _free(self) -> BaseGeometry:
+        walls = self._run.walls
+        return walls.grown if self._slack > 0.0 else self._run.once("shrunk", walls.shrunk)

@@ -1,21 +1,23 @@
-"""Maps are the same in whatever order their parts are merged."""
+"""Maps are the same in whatever order their parts are merged, and closings concern who is meant."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any, Final
 
 import numpy as np
 
 from multisrt.analysis.recorded_map import recorded_closing, recorded_node
-from multisrt.campaign.judged_run import JudgedRun
+from multisrt.campaign.judged_run import ROUNDING_M, JudgedRun
 from multisrt.campaign.violations import Violation
 from multisrt.events import ArcClosed, NodeName
 from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.grids.occupancy import Occupancy
-from multisrt.robots.exploration_map import Entry, ExplorationMap, Node
+from multisrt.robots.exploration_map import Closing, Entry, ExplorationMap, Node
 from multisrt.robots.frontier.scan_map import raster_for
 
 NAME: Final = "merge-order"
+CLOSINGS: Final = "closings-are-for-some"
 
 MAX_ROBOTS: Final = 2
 """Number of robots of a run whose maps are merged again."""
@@ -35,6 +37,55 @@ def merge_order(run: JudgedRun) -> Violation | None:
 
     Cost: some tens of milliseconds.
     """
+    for robot, entries, others in _drawn(run):
+        what = _differs(_merged(run, robot, entries), _merged(run, robot, others))
+        if what is None and run.family == "frontier":
+            what = _differs(_painted(run, robot, entries), _painted(run, robot, others))
+        if what is not None:
+            return Violation(
+                invariant=NAME,
+                says=f"what robot {robot} knew of {_nodes(entries)} nodes, merged in another "
+                f"order, gives other {what}",
+                robot=robot,
+            )
+    return None
+
+
+def closings_are_for_some(run: JudgedRun) -> Violation | None:
+    """Check that arcs that others gave up are left out only by robots whom their reason concerns.
+
+    For the nodes and closings of `merge_order`: an arc that another robot gave up as not reachable,
+    or that a wider one gave up as too narrow, stays part of the frontier. So a map into which
+    such closings are merged is that without them, number for number.
+
+    Cost: some milliseconds, where there are such closings.
+    """
+    for robot, entries, _ in _drawn(run):
+        width_m = Footprint.parse(run.recording.spec.robots[robot].footprint).width_m
+        concerning = [entry for entry in entries if _concerns(entry, robot, width_m)]
+        if len(concerning) == len(entries):
+            continue
+        what = _differs(_merged(run, robot, entries), _merged(run, robot, concerning))
+        if what is not None:
+            return Violation(
+                invariant=CLOSINGS,
+                says=f"what others gave up for themselves changes the map of robot {robot}: with "
+                f"{len(entries) - len(concerning)} such arcs it has other {what}",
+                robot=robot,
+            )
+    return None
+
+
+def _concerns(entry: Entry, robot: int, width_m: float) -> bool:
+    if not isinstance(entry, Closing) or entry.id.robot == robot:
+        return True
+    if entry.reason == "too narrow":
+        return width_m > entry.width_m - ROUNDING_M
+    return entry.reason == "seen from near"
+
+
+def _drawn(run: JudgedRun) -> Iterator[tuple[int, list[Entry], list[Entry]]]:
+    """Yield some robots, each with what it knew in the order of the run, and in another one."""
     rng = np.random.default_rng(int(run.recording.footer.digest[:8] or "0", 16))
     robots = rng.permutation(len(run.robots))[:MAX_ROBOTS].tolist()
     for robot in robots:
@@ -42,17 +93,11 @@ def merge_order(run: JudgedRun) -> Violation | None:
         kept = sorted(rng.permutation(len(names))[:MAX_NODES].tolist())
         entries = _entries(run, [names[k] for k in kept])
         others = [entries[k] for k in rng.permutation(len(entries)).tolist()]
-        what = _differs(_merged(run, robot, entries), _merged(run, robot, others))
-        if what is None and run.family == "frontier":
-            what = _differs(_painted(run, robot, entries), _painted(run, robot, others))
-        if what is not None:
-            return Violation(
-                invariant=NAME,
-                says=f"what robot {robot} knew of {len(kept)} nodes, merged in another order, "
-                f"gives other {what}",
-                robot=robot,
-            )
-    return None
+        yield robot, entries, others
+
+
+def _nodes(entries: list[Entry]) -> int:
+    return sum(isinstance(entry, Node) for entry in entries)
 
 
 def _entries(run: JudgedRun, names: list[NodeName]) -> list[Entry]:

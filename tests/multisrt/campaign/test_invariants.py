@@ -10,12 +10,19 @@ import shapely
 
 from multisrt.analysis.measuring import measure_with_curves
 from multisrt.campaign.invariants import INVARIANTS, JudgedRun, check, measures, merging
+from multisrt.campaign.tracks import Track
 from multisrt.environments.environment import Environment
 from multisrt.events import (
+    AnyEvent,
+    ArcClosed,
+    BaseLearned,
+    CameBack,
     Collision,
     Died,
     Ended,
+    FellSilent,
     GoalChosen,
+    Joined,
     Learned,
     Motion,
     NodeAdded,
@@ -246,6 +253,16 @@ def test_poses_do_not_jump(bids):
     assert "jumps by 0.01" in broken(changed(bids, once(Motion, jump, 3)), "motion-continuous")
 
 
+@pytest.mark.parametrize("turn", [0.0, 1e-13, 1.2e-12, 1e-9, 1e-8, 1e-6])
+def test_a_leg_that_hardly_turns_is_where_it_begins_and_ends(turn):
+    begin, end = (-0.607, 9.658, 0.959), (-0.607 + 3.0 * np.cos(0.959), 9.658 + 3.0 * np.sin(0.959))
+    track = Track(begin, [drive(0, (1.0, *begin), (2.0, *end, begin[2] + turn))], 9.0)
+    poses = track.at(np.array([1.0, 1.5, 2.0 - 1e-9]))
+    halfway = (begin[0] + end[0]) / 2.0, (begin[1] + end[1]) / 2.0
+    for pose, place in zip(poses.tolist(), (begin, halfway, end), strict=True):
+        assert math.dist(pose[:2], place[:2]) < 5e-7
+
+
 def test_a_left_out_motion_is_a_jump(bids):
     assert "jumps" in broken(changed(bids, once(Motion, lambda _: None, 3)), "motion-continuous")
 
@@ -302,6 +319,81 @@ def test_a_region_behind_a_corner_was_not_in_sight():
         robots = (RobotSpec(range_finder=RangeFinderSpec(range_m=6.0)),)
         run = written([node], starts=((0.5, 0.5, 0.0),), environment=ell, robots=robots)
         assert ("not in sight" not in broken(run, "free-is-free")) is is_seen
+
+
+# Starts and faults ---------------------------------------------------------------------------
+
+
+AT = (1.0, 1.0, 0.5)
+
+
+def died(time_s: float, doing: str = "waiting") -> Died:
+    return Died(time_s=time_s, robot=0, configuration=AT, doing=doing)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("start", "faults", "events", "what"),
+    [
+        (AT, (), [], ""),
+        (AT[:2], (), [], "starts at (1.0, 1.0, 0.5) instead of (1, 1, 0)"),
+        ((1.0, 1.1, 0.5), (), [], "instead of (1, 1.1, 0.5)"),
+        (None, (LateStart(robot=0, time_s=3.0),), [Joined(time_s=3.0, robot=0)], ""),
+        (None, (LateStart(robot=0, time_s=3.0),), [Joined(time_s=0.0, robot=0)], "due at 3.00 s"),
+        (None, (LateStart(robot=0, time_s=3.0),), [], "is not switched on"),
+        (None, (LateStart(robot=0, time_s=30.0),), [], ""),
+        (None, (Death(robot=0, time_s=3.0),), [died(3.0)], ""),
+        (None, (Death(robot=0, time_s=3.0),), [], "does not die, 3.00 s"),
+        (None, (Death(robot=0, time_s=3.0),), [died(4.0)], "does not die, 3.00 s"),
+        (None, (Death(robot=0, time_s=3.0),), [died(2.0)], "which is not due"),
+        (None, (Death(robot=0, time_s=3.0, when="waiting"),), [died(4.0)], ""),
+        (None, (Death(robot=0, time_s=3.0, when="waiting"),), [], ""),
+        (None, (Death(robot=0, time_s=3.0, when="moving"),), [died(4.0)], "was to die moving"),
+        (None, (), [died(4.0)], "which is not due"),
+    ],
+)
+def test_starts_late_starts_and_deaths_are_as_told(start, faults, events, what):
+    run = written(events, starts=(AT,), robots=(RobotSpec(start=start),), faults=faults)
+    said = broken(run, "starts-and-faults")
+    assert what in said
+    assert bool(what) is bool(said)
+
+
+def silent(*times_s: float) -> list[FellSilent | CameBack]:
+    """Return a radio that fails, works again, fails again and so on."""
+    kinds = (FellSilent, CameBack)
+    return [kinds[k % 2](time_s=time_s, robot=0) for k, time_s in enumerate(times_s)]
+
+
+@pytest.mark.parametrize(
+    ("faults", "events", "what"),
+    [
+        ([(2.0, 3.0)], silent(2.0, 5.0), ""),
+        ([(2.0, 3.0)], [], "never falls silent, which is due, 2.00 s"),
+        ([(2.0, 3.0)], silent(2.0), "never works again, which is due, 5.00 s"),
+        ([(2.0, 3.0)], silent(2.0, 4.0), "works again, which is not due, 4.00 s"),
+        ([(2.0, 3.0), (4.0, 3.0)], silent(2.0, 7.0), ""),
+        ([(2.0, 3.0), (4.0, 3.0)], silent(2.0, 5.0), "works again, which is not due, 5.00 s"),
+        ([(2.0, 30.0)], silent(2.0), ""),
+        ([], silent(2.0), "falls silent, which is not due"),
+    ],
+)
+def test_radios_are_silent_as_told(faults, events, what):
+    silences = tuple(Silence(robot=0, time_s=at, duration_s=lasting) for at, lasting in faults)
+    said = broken(written(events, faults=silences), "starts-and-faults")
+    assert what in said
+    assert bool(what) is bool(said)
+
+
+def test_the_dead_and_those_switched_on_late_are_silent_meanwhile():
+    faults = (
+        Silence(robot=0, time_s=2.0, duration_s=6.0),
+        LateStart(robot=0, time_s=5.0),
+        Death(robot=0, time_s=7.0),
+    )
+    events: list[AnyEvent] = [Joined(time_s=5.0, robot=0), FellSilent(time_s=5.0, robot=0)]
+    assert broken(written([*events, died(7.0)], faults=faults), "starts-and-faults") == ""
+    said = broken(written(events, faults=faults[:2]), "starts-and-faults")
+    assert "never works again, which is due, 8.00 s" in said
 
 
 # Messages ------------------------------------------------------------------------------------
@@ -388,6 +480,71 @@ def test_a_message_after_death_reaches_nobody(bids):
     )
 
 
+@pytest.mark.parametrize(
+    ("sent", "starts", "spec", "what"),
+    [
+        (report(1.0, 0, 1, 2), THREE, {}, ""),
+        (report(1.0, 0, 1), THREE, {}, ""),  # it may be for robot 1 alone
+        (report(1.0, 0, 1, 3), THREE, {"base": BaseSpec(x=2.0, y=1.5)}, "does not reach robot 2"),
+        (report(1.0, 0, 1, 2), THREE, {"base": BaseSpec(x=2.0, y=1.5)}, "not reach the base"),
+        (report(1.0, 0, 1, lost=(2,)), THREE, {"radio": RadioSpec(loss=0.5)}, ""),
+        (report(1.0, 0), TWO, {}, "reaches nobody, but all others are in reach"),
+        (report(1.0, 0), TWO, {"radio": NEAR}, ""),
+        (report(1.0, 0), TWO, {"faults": (Silence(robot=1, time_s=0.5, duration_s=1.0),)}, ""),
+        (report(1.0, 1, 0, 2), THREE, {"radio": replace(NEAR, multi_hop=False)}, ""),
+        (replace(report(1.0, 0, 1), kind="no place"), THREE, {"radio": NEAR}, "reach robot 2"),
+        (
+            replace(report(1.0, 0, 1), kind="no place"),
+            THREE,
+            {"radio": replace(NEAR, multi_hop=False)},
+            "",
+        ),
+        (
+            replace(report(1.0, 0), kind="no place"),
+            THREE,
+            {"radio": NEAR, "faults": (Silence(robot=1, time_s=0.5, duration_s=1.0),)},
+            "",
+        ),
+    ],
+)
+def test_messages_to_all_reach_all_in_reach(sent, starts, spec, what):
+    said = broken(written([sent], starts=starts, **spec), "reaches-all-in-reach")
+    assert what in said
+    assert bool(what) is bool(said)
+
+
+@pytest.mark.parametrize(
+    ("walls", "range_m", "is_in_reach"),
+    [("pass", 4.0, True), ("block", 4.0, False), ("weaken", 4.0, False), ("weaken", 9.0, True)],
+)
+def test_walls_excuse_messages_that_reach_nobody(walls, range_m, is_in_reach):
+    pillars = shapely.box(1.0, 0.5, 1.2, 2.5).union(shapely.box(2.0, 0.5, 2.2, 2.5))
+    world = Environment("pillars", ROOM.free.difference(pillars))
+    run = written(
+        [report(1.0, 0)],
+        starts=((0.4, 1.5, 0.0), (2.9, 1.5, 0.0)),
+        environment=world,
+        radio=RadioSpec(range_m=range_m, walls=walls),
+    )
+    assert bool(broken(run, "reaches-all-in-reach")) is is_in_reach
+
+
+def test_a_relayed_message_that_is_kept_back_is_found(bids):
+    several = [k for k, e in enumerate(bids.recording.of(Sent)) if len(e.reached) > 1]
+    assert several
+    kept_back = changed(
+        bids, lambda e: replace(e, reached=e.reached[:1]) if isinstance(e, Sent) else e
+    )
+    assert broken(bids, "reaches-all-in-reach") == broken(kept_back, "reaches-all-in-reach") == ""
+    whole = executed(RunSpec(environment=OPEN, strategy="minpos", robots=(RobotSpec(),) * 4))
+    fewer = changed(
+        whole,
+        lambda e: replace(e, reached=e.reached[:2]) if isinstance(e, Sent) else e,
+    )
+    assert broken(whole, "reaches-all-in-reach") == ""
+    assert "robot 3, which is in reach" in broken(fewer, "reaches-all-in-reach")
+
+
 # Knowledge -----------------------------------------------------------------------------------
 
 
@@ -406,6 +563,33 @@ def test_a_node_is_not_learned_before_the_latency(bids):
         bids, lambda e: replace(e, time_s=e.time_s - 0.05) if isinstance(e, Learned) else e
     )
     assert "which no message can have brought" in broken(early, "knowledge-by-scan-or-message")
+
+
+def test_who_hears_a_report_learns_what_it_is_about(bids, srt):
+    for run in (bids, srt):
+        last = len(run.recording.of(Learned)) - 1
+        assert broken(run, "hearers-learn") == ""
+        deaf = changed(run, lambda e: None if isinstance(e, Learned) and e.robot == 0 else e)
+        whole = run.recording.footer.outcome == "complete"
+        assert last > 0
+        assert ("robot 0 heard at" in broken(deaf, "hearers-learn")) is whole
+
+
+def test_a_base_station_that_hears_of_nodes_learns_them():
+    run = executed(
+        RunSpec(
+            environment=OPEN, strategy="minpos", robots=(RobotSpec(),), base=BaseSpec(x=2.0, y=2.0)
+        )
+    )
+    assert run.recording.footer.outcome == "complete"
+    assert broken(run, "hearers-learn") == ""
+    lost = changed(run, once(BaseLearned, lambda _: None))
+    assert "the base station heard at" in broken(lost, "hearers-learn")
+    for excused in (
+        changed(lost, extra=[FellSilent(time_s=run.end_s, robot=0)]),
+        changed(lost, outcome="out_of_time"),
+    ):
+        assert broken(excused, "hearers-learn") == ""
 
 
 def test_a_node_is_noted_where_a_scan_was_taken(bids):
@@ -475,6 +659,32 @@ def test_maps_that_depend_on_the_order_are_found(bids, srt, monkeypatch):
     )
     for run in (bids, srt):
         assert "merged in another order, gives other nodes" in broken(run, "merge-order")
+
+
+@pytest.mark.parametrize(
+    ("closer", "reason", "whose"),
+    [
+        (1, "not reachable", "robot 0"),
+        (0, "not reachable", "robot 1"),
+        (0, "too narrow", "robot 1"),
+        (1, "too narrow", ""),
+        (0, "seen from near", ""),
+    ],
+)
+def test_closings_of_others_that_are_applied_are_found(monkeypatch, closer, reason, whose):
+    # Robot 1 is narrower than robot 0, and closes the arcs of the first node of robot 0.
+    robots = (RobotSpec(), RobotSpec(footprint="disc:0.2"))
+    spec = RunSpec(environment=OPEN, robots=robots, seed=3, stop=StopRule(max_time_s=1.0))
+    run = executed(spec)
+    first = next(node for node in run.recording.of(NodeAdded) if node.robot == 0)
+    ends = zip(first.boundary, (*first.boundary[1:], first.boundary[0]), strict=True)
+    arc = tuple((*p, *q) for (p, q), tag in zip(ends, first.tags, strict=True) if tag == "1")
+    closed = ArcClosed(time_s=1.0, robot=closer, node=(0, first.serial), reason=reason, arc=arc)
+    tampered = changed(run, extra=[closed])
+    assert broken(tampered, "closings-are-for-some") == ""
+    monkeypatch.setattr(ExplorationMap, "_applies", lambda known, closing: True)
+    said = broken(tampered, "closings-are-for-some")
+    assert (f"changes the map of {whose}: with 1 such arcs" in said) if whose else not said
 
 
 def test_rasters_that_depend_on_the_order_are_found(bids, monkeypatch):

@@ -101,6 +101,23 @@ def test_few_failures_of_a_kind_are_shrunk(path):
     assert every.refused == 60
 
 
+def test_a_campaign_ends_with_its_first_failure_if_wanted(path):
+    with CampaignStore.create_or_open(path) as store:
+        run_campaign(store, missions=60, stop_at_first=True)
+        assert store.done() == set(range(4))
+        run_campaign(store, missions=60, stop_at_first=True)
+        assert store.done() == set(range(4))
+        run_campaign(store, missions=8)
+        assert store.done() == set(range(8))
+
+
+def test_other_workers_stop_with_the_first_failure(path, monkeypatch):
+    monkeypatch.setattr(FakeLane, "slow_s", 0.02)
+    with CampaignStore.create_or_open(path) as store:
+        run_campaign(store, missions=1000, workers=3, stop_at_first=True)
+        assert [row.number for row in store.rows() if row.violations] == [3]
+
+
 def test_what_a_lane_raises_is_raised_and_the_others_stop(path, monkeypatch):
     def breaks(lane, number):
         if number == 4:

@@ -44,6 +44,12 @@ def call(call, monkeypatch):
     return partial(call, "campaign")
 
 
+def test_a_campaign_that_stops_at_its_first_failure_makes_no_more(call, folder):
+    code, out, _ = call("run", "--missions", "5", "--stop-at-first")
+    assert code == 1
+    assert "3 missions, 1 of them failed" in out
+
+
 def test_a_campaign_prints_failures_and_a_table(call, folder):
     code, out, err = call("run", "--missions", "5", "--seed", "7")
     assert (code, err) == (1, "")

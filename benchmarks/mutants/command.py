@@ -1,0 +1,83 @@
+"""The command: campaigns of the program with each of the defects, and the table of what they find.
+
+Findings are kept in a file in the folder, so that the same command goes on where it was
+interrupted; a defect is tried anew if the program has changed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from benchmarks.mutants.campaigns import Campaigns
+from benchmarks.mutants.catalogue import CONTROL, MUTANTS
+from benchmarks.mutants.findings import Finding, Findings, key_of
+from benchmarks.mutants.page import PAGE, page, rows_of
+from multisrt.experiments.lock import WriteLock
+from multisrt.geometry.errors import InvalidInputError
+
+UNFOUND, BAD_INPUT = 1, 2
+"""Exit codes: a defect was not found, or the control failed; a campaign could not be run."""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Try defects, or write the page; return the exit code."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.mutants", description=__doc__)
+    names = (*MUTANTS, CONTROL)
+    parser.add_argument(
+        "--only", nargs="+", choices=names, metavar="NAME", help="defects; default: all"
+    )
+    parser.add_argument("--list", action="store_true", help="print the defects, and try none")
+    parser.add_argument(
+        "--page", action="store_true", help=f"write {PAGE.name} from what is kept, and try none"
+    )
+    parser.add_argument(
+        "--missions", type=int, default=3000, help="missions of each, if none fails (default: 3000)"
+    )
+    parser.add_argument("--workers", type=int, default=1, help="number of processes (default: 1)")
+    parser.add_argument("--seed", type=int, default=0, help="seed of the campaigns (default: 0)")
+    parser.add_argument("--out", type=Path, default=Path("out/mutants"), help="folder")
+    given = parser.parse_args(arguments)
+    chosen = list(dict.fromkeys(given.only or names))
+    if given.list:
+        for name in MUTANTS:
+            print(f"{name:28} {MUTANTS[name].file}: {MUTANTS[name].breaks}")
+        return 0
+    try:
+        findings = Findings(given.out / "findings.jsonl")
+        if given.page:
+            PAGE.write_text(page(_kept(findings, given.seed), given.seed))
+            return 0
+        return _try(chosen, findings, given)
+    except InvalidInputError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return BAD_INPUT
+
+
+def _try(names: Sequence[str], findings: Findings, given: argparse.Namespace) -> int:
+    given.out.mkdir(parents=True, exist_ok=True)
+    campaigns = Campaigns(
+        folder=given.out, missions=given.missions, workers=given.workers, seed=given.seed
+    )
+    lock = WriteLock(given.out / "findings.jsonl")
+    try:
+        as_wanted = True
+        for name in names:
+            found = campaigns.find(MUTANTS.get(name), findings)
+            print(_line(found), flush=True)
+            as_wanted &= (found.mission is None) == (name == CONTROL)
+    finally:
+        lock.release()
+    return 0 if as_wanted else UNFOUND
+
+
+def _line(found: Finding) -> str:
+    ((name, breaks, by, missions, seconds),) = rows_of([found.mutant], {found.mutant: found})
+    return f"{name:28} {by}; missions: {missions}; {seconds} s; {found.says or breaks}"
+
+
+def _kept(findings: Findings, seed: int) -> dict[str, Finding]:
+    mutants = (*MUTANTS.values(), None)
+    return findings.among(key_of(mutant, seed) for mutant in mutants)

@@ -1,0 +1,99 @@
+"""Defects of what robots decide and know, and of what is measured of runs."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from benchmarks.mutants.mutant import Mutant
+
+MUTANTS: Final = (
+    Mutant(
+        name="waits-for-the-dead",
+        breaks="A robot of the SRT family asks one that does not answer for ever.",
+        file="robots/multi_srt/roster.py",
+        old="if self._unanswered[number] <= self.patience:",
+        new="if self._unanswered[number] >= 0:",
+        unfound=(
+            "few draws have a death in a team of this family and go on for the four minutes and "
+            "more that all limits allow; in runs that do, waits-within-limits finds it"
+        ),
+    ),
+    Mutant(
+        name="master-forgets-a-member",
+        breaks="The orders of a master leave one robot of its group out.",
+        file="robots/multi_srt/organize.py",
+        old="    for i in prospects:\n        grants.orders.setdefault(",
+        new="    for i in list(prospects)[1:]:\n        grants.orders.setdefault(",
+    ),
+    Mutant(
+        name="closing-for-all",
+        breaks="What one robot found not reachable is closed for all others, too.",
+        file="robots/exploration_map.py",
+        old="return self._robot is None or closing.id.robot == self._robot",
+        new="return True",
+    ),
+    Mutant(
+        name="closing-before-its-node",
+        breaks="A closing that comes before its node is lost: merging depends on the order.",
+        file="robots/local_frontiers.py",
+        old=(
+            "        self._given_up.setdefault(node_id, []).append(arc)\n"
+            "        number = self._regions.numbers.get(node_id)\n"
+        ),
+        new=(
+            "        number = self._regions.numbers.get(node_id)\n"
+            "        if number is not None:\n"
+            "            self._given_up.setdefault(node_id, []).append(arc)\n"
+        ),
+    ),
+    Mutant(
+        name="frontier-dropped-in-merging",
+        breaks="A piece of the frontier of each node that is merged is dropped.",
+        file="robots/exploration_map.py",
+        old="            elif self.add(entry):\n",
+        new=(
+            "            elif self.add(entry):\n"
+            "                self._frontiers.give_up(entry.id, self.frontier(entry.id)[:1])\n"
+        ),
+    ),
+    Mutant(
+        name="region-lost-in-an-answer",
+        breaks="Who is asked for the regions that another robot lacks leaves out the first.",
+        file="robots/listening.py",
+        old="entries = self._entries.missing_from(have_of(message.have))",
+        new="entries = self._entries.missing_from(have_of(message.have))[1:]",
+    ),
+    Mutant(
+        name="complete-too-early",
+        breaks="Bidding robots leave frontiers of three times their width, and say complete.",
+        file="robots/frontier/robot.py",
+        old="Frontiers(raster, width_m, width_m if least_m is None else least_m)",
+        new="Frontiers(raster, width_m, 3.0 * width_m if least_m is None else least_m)",
+    ),
+    Mutant(
+        name="option-ignored",
+        breaks="The option max_waits is ignored: robots wait for others to leave for ever.",
+        file="robots/frontier/progress.py",
+        old="return self._waits_here() < self._options.max_waits",
+        new="return self._waits_here() < math.inf",
+        unfound=(
+            "probably since a robot that answers has to bar the way to the last frontiers for "
+            "longer than all limits together"
+        ),
+    ),
+    Mutant(
+        name="coverage-counted-twice",
+        breaks="Area that two robots saw counts twice as covered.",
+        file="analysis/coverage.py",
+        old="covered_m2=by_state[:, COVERED],",
+        new="covered_m2=by_state[:, COVERED] + float(in_the_end[EXPLORABLE:, -1].sum()),",
+    ),
+    Mutant(
+        name="90-after-95",
+        breaks="The time to 90 % coverage is that to 97 %.",
+        file="analysis/measuring.py",
+        old='"time_to_90_s": covered.time_to(0.90),',
+        new='"time_to_90_s": covered.time_to(0.97),',
+    ),
+)
+"""Ten of them."""

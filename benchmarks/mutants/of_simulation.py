@@ -1,0 +1,169 @@
+"""Defects of the simulation: of motions, sensors, radio, faults, chance and the end of runs."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from benchmarks.mutants.mutant import Mutant
+
+MUTANTS: Final = (
+    Mutant(
+        name="no-protective-stop",
+        breaks="No motion is ended before another body.",
+        file="simulation/motions.py",
+        old="self._traffic.begin(number, now_s, trajectory, move.guard_m)",
+        new="self._traffic.begin(number, now_s, trajectory, None)",
+    ),
+    Mutant(
+        name="too-fast",
+        breaks="Straight motions are 2 % faster than the drive allows.",
+        file="planners/motion/kinematics.py",
+        old="Waypoint(distance / speed, x, y, heading)",
+        new="Waypoint(distance / (1.02 * speed), x, y, heading)",
+    ),
+    Mutant(
+        name="car-turns-in-place",
+        breaks="A Reeds-Shepp car drives as a differential drive does, and turns in place.",
+        file="spec/robots.py",
+        old='if self.kind == "differential":',
+        new='if self.kind in ("differential", "reeds-shepp"):',
+    ),
+    Mutant(
+        name="start-heading-ignored",
+        breaks="A robot with a start in the spec starts there in another heading.",
+        file="simulation/starts.py",
+        old="starts[number] = Configuration(*robot.start)",
+        new="starts[number] = Configuration(*robot.start[:2])",
+    ),
+    Mutant(
+        name="range-too-far",
+        breaks="Range finders see 10 % farther than the spec says.",
+        file="simulation/sensing.py",
+        old="time_s, finder.range_m, finder.beams)",
+        new="time_s, 1.1 * finder.range_m, finder.beams)",
+    ),
+    Mutant(
+        name="region-beyond-walls",
+        breaks="Regions of exact scans are shifted by 0.3 mm, into walls.",
+        file="geometry/regions/safe_region.py",
+        old="boundary, tags = scan.boundary, scan.tags",
+        new="boundary, tags = scan.boundary + 2e-4, scan.tags",
+    ),
+    Mutant(
+        name="message-after-death",
+        breaks="Robots that have died still receive messages.",
+        file="simulation/faults.py",
+        old='robot.state, robot.hears = "dead", False',
+        new='robot.state, robot.hears = "dead", True',
+    ),
+    Mutant(
+        name="radio-through-walls",
+        breaks="Walls that block the radio do not.",
+        file="simulation/radio.py",
+        old='if self._spec.walls == "pass" or not len(others):',
+        new='if self._spec.walls != "weaken" or not len(others):',
+    ),
+    Mutant(
+        name="radio-range-ignored",
+        breaks="A radio that no wall blocks reaches everywhere, whatever its range.",
+        file="simulation/radio.py",
+        old="self.reaches_everywhere = spec.reaches_everywhere",
+        new='self.reaches_everywhere = spec.walls != "block"',
+    ),
+    Mutant(
+        name="latency-ignored",
+        breaks="Messages take no time where neither loss nor jitter is drawn.",
+        file="simulation/radio.py",
+        old="return [(receiver, self._spec.latency_s) for receiver in receivers], []",
+        new="return [(receiver, 0.0) for receiver in receivers], []",
+    ),
+    Mutant(
+        name="one-relay-only",
+        breaks="A message is relayed once, and not over several hops.",
+        file="simulation/radio.py",
+        old="if self._spec.multi_hop:\n                relays",
+        new="if self._spec.multi_hop and len(found) == len(heard):\n                relays",
+    ),
+    Mutant(
+        name="wall-counted-twice",
+        breaks="A wall weakens the radio as two walls do.",
+        file="simulation/radio.py",
+        old="loss_db = spec.wall_loss_db * walls.astype(np.float64)",
+        new="loss_db = 2.0 * spec.wall_loss_db * walls.astype(np.float64)",
+    ),
+    Mutant(
+        name="base-hears-what-is-lost",
+        breaks="The base station is told what never reached it: messages that were lost.",
+        file="simulation/mail.py",
+        old="        for receiver, delay_s in deliveries:\n",
+        new=(
+            "        base = -1 if self._base is None else self._base.number\n"
+            "        heard = [(base, 0.0)] if base in lost else []\n"
+            "        for receiver, delay_s in [*deliveries, *heard]:\n"
+        ),
+    ),
+    Mutant(
+        name="overheard",
+        breaks="A robot learns what another one was sent, which no message brought to it.",
+        file="simulation/mail.py",
+        old="                self._members[receiver].deliver(message)\n",
+        new=(
+            "                for member in self._members if to is not None else ():\n"
+            "                    if member.number not in (robot.number, receiver):\n"
+            "                        member.deliver(message)\n"
+            "                self._members[receiver].deliver(message)\n"
+        ),
+    ),
+    Mutant(
+        name="silence-not-silent",
+        breaks="A radio that fails is on record as such, and works.",
+        file="simulation/faults.py",
+        old="            robot.hears = False\n            self._journal",
+        new="            self._journal",
+    ),
+    Mutant(
+        name="death-ignored",
+        breaks="A death that waits for nothing never strikes.",
+        file="simulation/faults.py",
+        old='        self.on_doing(robot, "any")\n',
+        new="",
+    ),
+    Mutant(
+        name="late-start-at-zero",
+        breaks="A robot that starts late starts at 0 s.",
+        file="simulation/interpreter.py",
+        old="while self._clock.now_s < join_s - ROUNDING_S:",
+        new="while self._clock.now_s < 0.0 * join_s:",
+    ),
+    Mutant(
+        name="no-outcome",
+        breaks="A run ends without a reason, and all are called stalled.",
+        file="simulation/simulation.py",
+        old="return self._finish(self.journal.last_s, *self._outcome())",
+        new='return self._finish(self.journal.last_s, "stalled", "")',
+    ),
+    Mutant(
+        name="order-of-hashes",
+        breaks="Random numbers depend on the hash of a text, which differs between processes.",
+        file="simulation/random_streams.py",
+        old="key = (STREAMS[stream], number)",
+        new="key = (hash(stream) % 2**32, number)",
+    ),
+    Mutant(
+        name="streams-of-earlier-runs",
+        breaks="Random streams go on where those of an earlier run of the process ended.",
+        file="simulation/random_streams.py",
+        old=(
+            "    def __init__(self, seed: int) -> None:\n"
+            "        self._seed = seed\n"
+            "        self._streams: dict"
+        ),
+        new=(
+            "    def __init__(self, seed: int, streams: dict = {}) -> None:\n"
+            "        self._seed = seed\n"
+            "        self._streams = streams\n"
+            "        self._unused: dict"
+        ),
+    ),
+)
+"""Twenty of them."""

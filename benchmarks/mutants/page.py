@@ -1,0 +1,103 @@
+"""The table of planted defects, as text and as a page of the documentation."""
+
+from __future__ import annotations
+
+import statistics
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Final
+
+from benchmarks.mutants.catalogue import CONTROL, MUTANTS
+from benchmarks.mutants.findings import Finding
+from multisrt.presets.summary import markdown_table
+
+PAGE: Final = Path(__file__).parents[2] / "docs/results/mutants.md"
+"""The page."""
+
+COLUMNS: Final = ("defect", "what it breaks", "found by", "missions", "time (s)")
+
+
+def rows_of(names: Iterable[str], findings: Mapping[str, Finding]) -> list[tuple[str, ...]]:
+    """Return the rows of the table.
+
+    Parameters
+    ----------
+    names : iterable of str
+        The defects.
+    findings : mapping of str to Finding
+        What was found of each; of those that are not among them the row says so.
+
+    Returns
+    -------
+    list of tuple of str
+        The fields of each row, by `COLUMNS`.
+    """
+    return [(name, *_told(name, findings.get(name))) for name in names]
+
+
+def _told(name: str, found: Finding | None) -> tuple[str, ...]:
+    breaks = "Nothing: this is the program as it is." if name == CONTROL else MUTANTS[name].breaks
+    if found is None:
+        return breaks, "not tried yet", "", ""
+    if found.mission is not None:
+        by = ", ".join(f"`{invariant}`" for invariant in found.invariants)
+        return breaks, by, str(found.mission), f"{found.seconds:.0f}"
+    by = "nothing"
+    if name != CONTROL and MUTANTS[name].unfound:
+        by = f"nothing: {MUTANTS[name].unfound}"
+    return breaks, by, f"{found.missions}, none failed", f"{found.seconds:.0f}"
+
+
+def page(findings: Mapping[str, Finding], seed: int) -> str:
+    """Return the page of the documentation.
+
+    Parameters
+    ----------
+    findings : mapping of str to Finding
+        What was found of each defect, and of the control.
+    seed : int
+        Seed of the campaigns.
+
+    Returns
+    -------
+    str
+        Markdown.
+    """
+    numbers = sorted(
+        findings[name].mission or 0
+        for name in MUTANTS
+        if name in findings and findings[name].mission is not None
+    )
+    said = f"Campaigns found {len(numbers)} of {len(MUTANTS)} defects"
+    if numbers:
+        within = sum(number <= 100 for number in numbers)
+        said += (
+            f", {within} of them within 100 missions; the median is "
+            f"{statistics.median(numbers):g}, the largest number {numbers[-1]}"
+        )
+    control = findings.get(CONTROL)
+    if control is not None:
+        failed = "none of them failed"
+        if control.mission is not None:
+            failed = f"failed in the last ({', '.join(control.invariants)}: {control.says})"
+        said += f". The program as it is made {control.missions} missions, and {failed}"
+    return "\n".join(
+        [
+            "# Planted defects",
+            "",
+            "Made with `python -m benchmarks.mutants` and `python -m benchmarks.mutants --page`. A "
+            f"[campaign](../campaign.md) that finds nothing proves little unless it finds what is "
+            f"there: each of {len(MUTANTS)} defects was planted in a copy of the program, one at a "
+            f"time, by a change of a line or two, and a campaign (seed {seed}) run until its first "
+            "failure.",
+            "",
+            f"{said}.",
+            "",
+            "*missions* is how many it took, *found by* names all invariants that the mission "
+            "violated. Times are those of one process on a machine that was "
+            "busy with other things, and include its start.",
+            "",
+            markdown_table(COLUMNS, rows_of((*MUTANTS, CONTROL), findings)),
+            "",
+        ]
+    )

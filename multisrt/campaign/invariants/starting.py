@@ -1,0 +1,122 @@
+"""Robots start where and when they are told to, and faults strike as they are told."""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from collections.abc import Iterator
+from typing import Final
+
+from multisrt.campaign.judged_run import ROUNDING_M, ROUNDING_S, JudgedRun
+from multisrt.campaign.violations import Violation
+from multisrt.events import CameBack, Died, FellSilent, Joined
+from multisrt.spec import Death, LateStart, Silence
+
+NAME: Final = "starts-and-faults"
+
+Said = tuple[int, float, str]
+"""A robot, a time in seconds, and what it does then against what it was told."""
+
+
+def starts_and_faults(run: JudgedRun) -> Violation | None:
+    """Check that robots start as the spec says, and that its faults strike, and no others.
+
+    A robot with a start begins there, to 1e-6 m and rad. One that starts late is switched on at its
+    time. A death strikes at its time, or later if it waits for what its robot does, and then while
+    it does that. Radios fall silent as their silence begins, or the robot is switched on, and work
+    again as it ends, if no other one goes on then. What is due at the end of the run, or at the
+    death of the robot, may have happened or not.
+
+    Cost: negligible.
+    """
+    found = [*_starts(run), *_late(run), *_deaths(run), *_silences(run)]
+    if not found:
+        return None
+    robot, time_s, what = min(found, key=lambda said: said[1])
+    return Violation(
+        invariant=NAME, says=f"robot {robot} {what}, {time_s:.2f} s", robot=robot, time_s=time_s
+    )
+
+
+def _starts(run: JudgedRun) -> Iterator[Said]:
+    for number, (spec, pose) in enumerate(
+        zip(run.recording.spec.robots, run.recording.header.starts, strict=True)
+    ):
+        if spec.start is None:
+            continue
+        x, y, heading = (*spec.start, 0.0)[:3]
+        turn = abs(math.remainder(pose[2] - heading, 2.0 * math.pi))
+        if math.dist(pose[:2], (x, y)) > ROUNDING_M or turn > ROUNDING_M:
+            yield number, 0.0, f"starts at {tuple(pose)} instead of ({x:g}, {y:g}, {heading:g})"
+
+
+def _late(run: JudgedRun) -> Iterator[Said]:
+    late = {f.robot: f.time_s for f in run.recording.spec.faults if isinstance(f, LateStart)}
+    joined = {event.robot: event.time_s for event in run.recording.of(Joined)}
+    for robot, time_s in joined.items():
+        if abs(late.get(robot, math.inf) - time_s) > ROUNDING_S:
+            yield robot, time_s, f"is switched on, which is due at {late.get(robot, 0.0):.2f} s"
+    for robot, time_s in late.items():
+        if robot not in joined and time_s < _over_s(run, robot):
+            yield robot, time_s, "is not switched on"
+
+
+def _deaths(run: JudgedRun) -> Iterator[Said]:
+    due = {f.robot: f for f in run.recording.spec.faults if isinstance(f, Death)}
+    died = {event.robot: event for event in run.recording.of(Died)}
+    for robot, event in died.items():
+        death = due.get(robot)
+        if death is None or event.time_s < death.time_s - ROUNDING_S:
+            yield robot, event.time_s, "dies, which is not due"
+        elif death.when not in ("any", event.doing):
+            yield robot, event.time_s, f"dies {event.doing}, and was to die {death.when}"
+    for robot, death in due.items():
+        last_s = died[robot].time_s if robot in died else math.inf
+        is_over = death.time_s >= run.end_s - ROUNDING_S
+        if death.when == "any" and last_s > death.time_s + ROUNDING_S and not is_over:
+            yield robot, death.time_s, "does not die"
+
+
+def _silences(run: JudgedRun) -> Iterator[Said]:
+    fell, back = defaultdict[int, list[float]](list), defaultdict[int, list[float]](list)
+    for silent in run.recording.of(FellSilent):
+        fell[silent.robot].append(silent.time_s)
+    for again in run.recording.of(CameBack):
+        back[again.robot].append(again.time_s)
+    for robot in run.robots:
+        spells = _spells(run, robot)
+        for times_s, due_s, what in (
+            (fell[robot], [begin_s for begin_s, _ in spells], "falls silent"),
+            (back[robot], [end_s for _, end_s in spells], "works again"),
+        ):
+            for time_s in times_s:
+                if not _is_among(time_s, due_s):
+                    yield robot, time_s, f"{what}, which is not due"
+            for time_s in due_s:
+                if time_s < _over_s(run, robot) and not _is_among(time_s, times_s):
+                    yield robot, time_s, f"has a radio that never {what}, which is due"
+
+
+def _spells(run: JudgedRun, robot: int) -> list[tuple[float, float]]:
+    """Return from when to when the radio of a robot is not to work, by its silences together."""
+    on_s, _ = run.present_s(robot)
+    found: list[tuple[float, float]] = []
+    for fault in sorted(
+        (f for f in run.recording.spec.faults if isinstance(f, Silence) and f.robot == robot),
+        key=lambda fault: fault.time_s,
+    ):
+        begin_s, end_s = max(fault.time_s, on_s), fault.time_s + fault.duration_s
+        if found and begin_s <= found[-1][1]:
+            found[-1] = found[-1][0], max(found[-1][1], end_s)
+        elif begin_s < end_s:
+            found.append((begin_s, end_s))
+    return found
+
+
+def _over_s(run: JudgedRun, robot: int) -> float:
+    """Return the time before which what is due to a robot has to happen."""
+    return min(run.end_s, run.present_s(robot)[1]) - ROUNDING_S
+
+
+def _is_among(time_s: float, times_s: list[float]) -> bool:
+    return any(abs(time_s - other_s) <= ROUNDING_S for other_s in times_s)

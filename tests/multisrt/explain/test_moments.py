@@ -5,7 +5,7 @@ from typing import get_args
 
 import numpy as np
 import pytest
-from shapely import box
+from shapely import box, union
 
 import multisrt as ms
 from multisrt.environments.environment import Environment
@@ -56,8 +56,8 @@ def test_a_robot_without_decisions_has_none():
 
 
 def test_a_robot_that_drives_a_plan_has_one():
-    room = Environment("room", box(0.0, 0.0, 4.0, 3.0))
-    recording = ms.explore(room, strategy="informed", seed=1).recording
+    corner = Environment("corner", union(box(0.0, 0.0, 10.0, 1.0), box(9.0, 0.0, 10.0, 10.0)))
+    recording = ms.explore(corner, strategy="informed", start=(0.5, 0.5), seed=1).recording
     (moment,) = moments(recording, 0)
     assert "a route that was planned on the true map" in moment.lines[0]
     assert explain(recording, 0, 2.0) == f"Robot 0 at 2.00 s: {moment.lines[0]}\n"

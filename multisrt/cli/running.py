@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import wraps
 from pathlib import Path
@@ -201,7 +202,8 @@ def make_runs(
             return opened.results()
     except MultiSrtError:
         if not (was_there or has_begun):
-            path.unlink()
+            with suppress(OSError):  # where nothing can be removed either
+                path.unlink()
         raise
 
 

@@ -353,6 +353,19 @@ def test_an_interrupted_run_reports_and_continues(call, folder, fake_runs):
         assert store.done == 8
 
 
+def test_a_store_that_cannot_be_removed_hides_no_error(call, folder, fake_runs, monkeypatch):
+    def refuses(path):
+        raise PermissionError(13, "Permission denied", str(path))
+
+    def locks_the_folder(*args, **options):
+        monkeypatch.setattr(Path, "unlink", refuses)
+        raise InvalidInputError("cannot write a recording: Permission denied")
+
+    monkeypatch.setattr(runner, "run_experiment", locks_the_folder)
+    code, _, err = call("run", "small.toml")
+    assert (code, err) == (2, "error: cannot write a recording: Permission denied\n")
+
+
 def test_no_store_is_left_if_nothing_could_run(call, folder, fake_runs):
     fake_runs["lost"] = 0
     told = (2, "", "error: the cluster is lost\n")

@@ -15,7 +15,6 @@ from multisrt.campaign.draws import Trying, drawn, is_refusal
 from multisrt.campaign.invariants import JudgedRun, check
 from multisrt.campaign.violations import Violation
 from multisrt.campaign.worlds import world_of
-from multisrt.environments.environment import Environment
 from multisrt.experiments.mission import lacks_memory
 from multisrt.recording import Recording
 from multisrt.robots.defects import ExplorerDefect
@@ -213,10 +212,13 @@ def _judged(setup: SetUp, begin_s: float) -> Judged:
             return Judged(verdict, cut_off)
     run_s = time.perf_counter() - begin_s
     footer = recording.footer
+    violations: tuple[Violation, ...]
     try:
-        violations = _violations(recording, setup.environment)
-    except Exception as error:  # for want of memory
-        return Judged(_failed(error, steps, begin_s, footer.time_s), recording)
+        violations = tuple(check(JudgedRun(recording=recording, environment=setup.environment)))
+    except Exception as error:
+        if lacks_memory(error):
+            return Judged(_failed(error, steps, begin_s, footer.time_s), recording)
+        violations = (Violation(invariant=JUDGED, says=described(error)),)
     verdict = Verdict(
         outcome=footer.outcome,
         violations=violations,
@@ -229,15 +231,6 @@ def _judged(setup: SetUp, begin_s: float) -> Judged:
         check_s=time.perf_counter() - begin_s - run_s,
     )
     return Judged(verdict, recording)
-
-
-def _violations(recording: Recording, environment: Environment) -> tuple[Violation, ...]:
-    try:
-        return tuple(check(JudgedRun(recording=recording, environment=environment)))
-    except Exception as error:
-        if lacks_memory(error):
-            raise
-        return (Violation(invariant=JUDGED, says=described(error)),)
 
 
 def _attempted(record: Callable[[], Recording]) -> Recording | None:

@@ -101,10 +101,7 @@ class Rings:
         """Add a ring, ``(m, 2)`` counter-clockwise, which must not change, and return its index."""
         index, held = len(self._rings), self._arrays
         if index == len(held.boxes):
-            room = roomier(index, index + 1)
-            self._arrays = held._replace(
-                spans=grown(held.spans, room), boxes=grown(held.boxes, room)
-            )
+            self._make_room(roomier(index, index + 1), len(held.corners))
         ring = np.ascontiguousarray(ring, np.float64)
         self._rings.append(ring)
         self._arrays.spans[index] = ABSENT, len(ring), ABSENT
@@ -153,41 +150,38 @@ class Rings:
         """
         missing = indices[self._arrays.spans[indices, 0] == ABSENT]
         if len(missing):
-            if not self._makes_room(missing):
-                self._empty(indices)
-                missing = indices
-            for index in missing.tolist():
+            for index in self._lacking(missing, indices).tolist():
                 self._corners, self._stretches = _load(
                     index, self._rings[index], self._arrays, self._corners, self._stretches
                 )
         return self._arrays
 
-    def _makes_room(self, missing: IntArray) -> bool:
-        # Make room for the corners of more rings, unless there are too many.
-        held, sizes = self._arrays, self.sizes[missing]
-        corners = self._corners + int(sizes.sum())
-        stretches = self._stretches + int(_stretches(sizes).sum())
+    def _lacking(self, missing: IntArray, indices: IntArray) -> IntArray:
+        # Make room for the corners of the missing rings among some, and return those to be
+        # written: all of them if those of other rings had to be dropped.
+        held = self._arrays
+        corners = self._corners + int(self.sizes[missing].sum())
         if corners > ROOM:
-            return False
-        if corners > len(held.corners):
-            room = min(roomier(len(held.corners), corners), ROOM)
-            self._arrays = held._replace(corners=grown(held.corners, room))
-        if stretches > len(held.stretches):
-            room = roomier(len(held.stretches), stretches)
-            self._arrays = self._arrays._replace(stretches=grown(held.stretches, room))
-        return True
+            missing, corners = indices, max(ROOM, int(self.sizes[indices].sum()))
+            self._corners = self._stretches = 0
+            held.spans[:, 0] = ABSENT
+            if corners != len(held.corners):
+                self._arrays = held._replace(corners=held.corners[:0])
+                self._make_room(len(held.boxes), corners)
+        elif corners > len(held.corners):
+            self._make_room(len(held.boxes), min(roomier(len(held.corners), corners), ROOM))
+        return missing
 
-    def _empty(self, indices: IntArray) -> None:
-        # Drop all corners, and make room for those of some rings.
-        held, sizes = self._arrays, self.sizes[indices]
-        held.spans[:, 0] = ABSENT
-        corners, stretches = max(ROOM, int(sizes.sum())), int(_stretches(sizes).sum())
-        if corners != len(held.corners):
-            held = held._replace(corners=grown(held.corners[:0], corners))
-        if stretches > len(held.stretches):
-            held = held._replace(stretches=grown(held.stretches[:0], stretches))
-        self._arrays = held
-        self._corners = self._stretches = 0
+    def _make_room(self, count: int, corners: int) -> None:
+        held = self._arrays
+        # No ring has more stretches than whole ones and one that ends with it.
+        stretches = max(len(held.stretches), corners // STRETCH + count)
+        self._arrays = RingArrays(
+            spans=grown(held.spans, count),
+            corners=grown(held.corners, corners),
+            boxes=grown(held.boxes, count),
+            stretches=grown(held.stretches, stretches),
+        )
 
 
 @inlined_kernel
@@ -195,11 +189,6 @@ def corners_of(rings: RingArrays, index: int) -> FloatArray:
     """Return the corners of a ring that are in the arrays."""
     first = rings.spans[index, 0]
     return rings.corners[first : first + rings.spans[index, 1]]
-
-
-def _stretches(sizes: Int32Array) -> Int32Array:
-    # The numbers of stretches of rings.
-    return (sizes + (STRETCH - 1)) // STRETCH
 
 
 @kernel

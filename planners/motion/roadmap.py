@@ -87,7 +87,7 @@ class Roadmap(Generic[Place]):
         Dijkstra's algorithm, stopped at the first destination: the cost depends on its distance,
         not on the size of the roadmap. Of equally near places the one connected first wins.
         """
-        places, first = self._places, self._numbers[start]
+        places, xs, ys, first = self._places, self._xs, self._ys, self._numbers[start]
         came_from: dict[int, int] = {}
         distance = {first: 0.0}
         settled: set[int] = set()
@@ -104,12 +104,13 @@ class Roadmap(Generic[Place]):
                 while path[-1] != first:
                     path.append(came_from[path[-1]])
                 return [places[k] for k in reversed(path)]
-            for neighbour, length in self._edges(number):
-                reach = travelled + length
-                if (
-                    neighbour not in settled
-                    and reach < distance.get(neighbour, math.inf)
-                    and (passable is None or passable(place, places[neighbour]))
+            x, y = xs[number], ys[number]
+            for neighbour in self._neighbours[number]:
+                if neighbour in settled:
+                    continue
+                reach = travelled + math.hypot(xs[neighbour] - x, ys[neighbour] - y)
+                if reach < distance.get(neighbour, math.inf) and (
+                    passable is None or passable(place, places[neighbour])
                 ):
                     distance[neighbour] = reach
                     came_from[neighbour] = number
@@ -230,7 +231,7 @@ class Roadmap(Generic[Place]):
         >>> list(roadmap.nearest_first({"hall": 1.0}))
         [('hall', 1.0, None), ('desk', 3.0, 'hall')]
         """
-        places, none = self._places, -1
+        places, xs, ys, none = self._places, self._xs, self._ys, -1
         queue: list[tuple[float, int, int, int]] = [
             (length, order, self._numbers[start], none)
             for order, (start, length) in enumerate(starts.items())
@@ -245,16 +246,11 @@ class Roadmap(Generic[Place]):
             settled.add(number)
             place = places[number]
             yield place, length, None if last == none else places[last]
-            for neighbour, more in self._edges(number):
+            x, y = xs[number], ys[number]
+            for neighbour in self._neighbours[number]:
                 if neighbour not in settled and (
                     passable is None or passable(place, places[neighbour])
                 ):
                     order += 1
-                    heapq.heappush(queue, (length + more, order, neighbour, number))
-
-    def _edges(self, number: int) -> Iterator[tuple[int, float]]:
-        # The neighbours of a place, and the lengths of the edges to them.
-        xs, ys = self._xs, self._ys
-        x, y = xs[number], ys[number]
-        for other in self._neighbours[number]:
-            yield other, math.hypot(xs[other] - x, ys[other] - y)
+                    reach = length + math.hypot(xs[neighbour] - x, ys[neighbour] - y)
+                    heapq.heappush(queue, (reach, order, neighbour, number))

@@ -63,7 +63,8 @@ class SrtOptions(HomeOptions, frozen=True, kw_only=True, forbid_unknown_fields=T
     completion_spacing : float
         In the third stage, minimum distance from all nodes as a share of `d_min_m`.
     max_views : int
-        In the third stage, maximum number of views of arcs in one spot of width `d_min_m`.
+        In the third stage, maximum number of views of arcs in one spot of width `d_min_m`. They
+        are counted anew when they have shown as much near it as a square of that width.
 
     Raises
     ------

@@ -29,6 +29,10 @@ FACTOR: Final = 4.0
 LENGTH_FACTOR: Final = 2.0
 """The same for the smallest of a length: cells of half the width already are four times as many."""
 
+HASTY, HASTE = 0.15, (3.0, 12.0)
+"""Share of draws with shorter waits and limits of time, and by what factors they are shorter: that a
+robot waits for ever shows in a run that goes on for longer than all of these together."""
+
 NONE: Final = "none"
 """None, as it is written in a spec."""
 
@@ -63,6 +67,8 @@ def draw_options(
     fields = _fields(strategy.options)
     found = {name: value for name, value in (given or {}).items() if name in fields}
     found = {name: value for name, value in found.items() if _takes(strategy, {name: value})}
+    if chance.happens(HASTY):
+        found |= _hasty(strategy, fields, chance.magnitude(*HASTE))
     free = [name for name in fields if name not in found]
     for name in chance.some_of(free, min(chance.weighted(NUMBERS), len(free))):
         for _ in range(MAX_TRIES):
@@ -73,6 +79,22 @@ def draw_options(
     while found and not _takes(strategy, found):
         found.popitem()
     return found
+
+
+def _hasty(
+    strategy: Strategy, fields: Mapping[str, inspect.Field], factor: float
+) -> dict[str, Scalar]:
+    """Return options with all times but periods divided by a factor."""
+    shorter = {
+        name: rounded(field.default / factor)
+        for name, field in fields.items()
+        if name.endswith("_s") and not name.endswith("_period_s") and _is_positive(field.default)
+    }
+    return {name: value for name, value in shorter.items() if _takes(strategy, {name: value})}
+
+
+def _is_positive(default: Any) -> bool:
+    return isinstance(default, int | float) and default > 0.0
 
 
 def _fields(options: type[msgspec.Struct]) -> dict[str, inspect.Field]:

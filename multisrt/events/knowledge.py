@@ -68,10 +68,10 @@ class ArcClosed(Event, frozen=True, kw_only=True, tag="arc_closed"):
     reason : str
         `too narrow`: the body fits nowhere from which the arc can be seen. `not reachable`: it
         would fit, but no known path leads there. `seen from near`: the robot has taken scans from
-        every such place, or has set out for the spot `max_views` times. `blocked by a robot`: a
-        known path leads there, but past a body that the robot plans around: that of a robot that
-        does not answer, that is left out of its group, or that did not clear the way; such an
-        arc is left for later, and stays part of the frontier.
+        every such place, or has set out for the spot `max_views` times and seen hardly more of it.
+        `blocked by a robot`: a known path leads there, but past a body that the robot plans around:
+        that of a robot that does not answer, that is left out of its group, or that did not clear
+        the way; such an arc is left for later, and stays part of the frontier.
     arc : tuple of (x0, y0, x1, y1)
         The segments of the arc.
     """

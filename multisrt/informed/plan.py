@@ -22,7 +22,7 @@ from multisrt.informed.options import InformedOptions
 from multisrt.informed.roadmap import Roadmap
 from multisrt.informed.search import Progress, Routes, Search
 from multisrt.informed.team import Member, Team
-from multisrt.informed.timetable import GAP_M, Course, NoTiming, timed
+from multisrt.informed.timetable import GAP_M, STANDS, Course, NoTiming, timed
 from multisrt.informed.views import Bits, Cells, Sensor, count
 from multisrt.planners.motion.kinematics import Car
 from multisrt.robots.naming import named_robots
@@ -133,13 +133,18 @@ class _Planner:
         while True:
             routes, active, team = self._routes(idle, progress)
             drives = self._drives(routes, active, team)
+            # Roadmaps lead around those that stand for good.
+            moving = [k for k in range(len(drives)) if k not in idle]
             try:
-                timings = timed([self._course(k, drive) for k, drive in enumerate(drives)])
+                found = timed([self._course(k, drives[k]) for k in moving])
                 break
             except NoTiming as failed:
                 # It stands for good, and the others plan round it.
-                standing = {k for k, drive in enumerate(drives) if drive.motion.duration_s == 0.0}
-                idle |= standing if failed.robot in standing - idle else {failed.robot}
+                standing = {k for k in moving if drives[k].motion.duration_s == 0.0}
+                failing = moving[failed.robot]
+                idle |= standing if failing in standing else {failing}
+        timing_of = dict(zip(moving, found, strict=True))
+        timings = [timing_of.get(k, STANDS) for k in range(len(drives))]
         stages = [stages_of(d, t) for d, t in zip(drives, timings, strict=True)]
         return self._cut(stages)
 

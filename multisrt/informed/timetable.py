@@ -66,6 +66,10 @@ class Timing:
     progress: IntArray
 
 
+STANDS: Final = Timing(step_s=STEP_S, progress=np.zeros(1, np.int64))
+"""The timing of a robot that never moves."""
+
+
 class NoTiming(Exception):
     """No timetable was found for a robot.
 
@@ -91,7 +95,7 @@ def timed(courses: Sequence[Course]) -> list[Timing]:
     NoTiming
         If there is no such timing; it names the robot that cannot move.
     """
-    longest_s = max(course.motion.duration_s for course in courses)
+    longest_s = max((course.motion.duration_s for course in courses), default=0.0)
     step_s = max(STEP_S, longest_s / MAX_STEPS)
     places = [_places(course.motion, step_s) for course in courses]
     order = sorted(range(len(courses)), key=lambda r: (-len(places[r]), r))

@@ -21,6 +21,9 @@ from multisrt.robots.multi_srt.targets import Barred, NewPlace
 WIDEST_WINDOW = 1.5
 """Half width of the widest window in which a place is looked for, in sensing ranges."""
 
+SPOTS_AROUND = 2.0
+"""Half width of the square around a spot in which looks at it show something, in spots."""
+
 
 class Views:
     """Finds places that see a frontier arc, and counts how often every spot was looked at.
@@ -51,6 +54,7 @@ class Views:
         self._map = bypass.map
         self._max_views = max_views
         self._looked: Counter[tuple[int, int]] = Counter()
+        self._known_m2: dict[tuple[int, int], float] = {}
         self._last_choice: tuple[tuple[int, int], NodeId] | None = None
         self._last_counted: tuple[int, int] | None = None
 
@@ -68,7 +72,7 @@ class Views:
         spot_m = self._planner.d_min_m
         x, y, *_ = arc_points(arc, spot_m)[0]
         spot = round(x / spot_m), round(y / spot_m)
-        if self._looked[spot] >= self._max_views:
+        if self._looked[spot] >= self._max_views and not self._has_shown_more(spot):
             # Not so near as it could be without the bodies, if these bar better places.
             refused = self._refused("seen from near", arc, x, y)
             if isinstance(refused, Barred):
@@ -101,8 +105,23 @@ class Views:
             self._last_counted = None
 
     def _count(self, spot: tuple[int, int], counts: bool) -> None:
+        if counts and not self._looked[spot]:
+            self._known_m2[spot] = self._known_around(spot)
         self._looked[spot] += counts
         self._last_counted = spot if counts else None
+
+    def _has_shown_more(self, spot: tuple[int, int]) -> bool:
+        # Whether looks at a spot have shown as much as a square of `d_min_m`; they count anew then.
+        if self._known_around(spot) < self._known_m2[spot] + self._planner.d_min_m**2:
+            return False
+        del self._looked[spot]
+        return True
+
+    def _known_around(self, spot: tuple[int, int]) -> float:
+        # Area that is known near a spot, in square metres.
+        spot_m = self._planner.d_min_m
+        x, y = (spot_m * i for i in spot)
+        return float(self._map.local_union(x, y, SPOTS_AROUND * spot_m).area)
 
     def _view(
         self, arc: FloatArray, x: float, y: float, *, past_bodies: bool = False

@@ -85,6 +85,26 @@ def test_every_strategy_takes_what_is_drawn_for_it(name):
     assert len({key for options in drawn for key in options}) >= 3 - (name == "informed")
 
 
+def test_at_times_all_waits_are_shorter_by_one_factor_but_not_the_periods():
+    class Waits(msgspec.Struct, frozen=True, kw_only=True):
+        first_s: float = 30.0
+        last_s: float = 6.0
+        look_period_s: float = 30.0
+        width_m: float = 30.0
+
+    made = Strategy(name="own", summary="Own", options=Waits, explorer=_unused)
+    drawn = [draw_options(made, Chance(1, number)) for number in range(DRAWS)]
+    factors = [
+        (30.0 / options["first_s"], 6.0 / options["last_s"])
+        for options in drawn
+        if options.keys() == {"first_s", "last_s"} and all(options.values())
+    ]
+    hasty = [first for first, last in factors if first == pytest.approx(last, rel=0.01)]
+    assert 0.03 * DRAWS < len(hasty) < 0.3 * DRAWS
+    assert min(hasty) > 2.9
+    assert max(hasty) < 12.1
+
+
 def test_none_is_drawn_where_a_default_is_not_none():
     class Given(msgspec.Struct, frozen=True, kw_only=True):
         wait_s: float | None = 3.0

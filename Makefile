@@ -13,13 +13,17 @@ PYTEST := $(BIN)/python -m pytest --numprocesses 2 --dist loadfile --no-loadscop
 # Public maps that some benchmarks use; where there are none, they are left out.
 MULTISRT_MAPS ?= ../shared/maps
 
-.PHONY: help demo test check tutorial golden plan pictures lint types style imports bench results docs linkcheck clean
+# Missions that a campaign makes and judges.
+MISSIONS ?= 2000
+
+.PHONY: help demo test check tutorial campaign golden plan pictures lint types style imports bench results docs linkcheck clean
 
 help:
 	@echo "make demo     a team of four explores the museum with SRT-Radial and SRT-Star; pictures in $(OUT)/demo"
 	@echo "make test     run the tests"
 	@echo "make check    run the tests that are not marked slow"
 	@echo "make tutorial run the whole tutorial on your own strategy, and compare its output with the page"
+	@echo "make campaign make $(MISSIONS) missions that are drawn over all there is, and judge them (MISSIONS=N); resumes where it stopped"
 	@echo "make golden   rewrite the digests of the golden runs, after an intended change of behaviour"
 	@echo "make plan     draw docs/pictures/plan.svg from the imports"
 	@echo "make pictures draw all pictures of the documentation, docs/pictures"
@@ -57,6 +61,9 @@ check: $(READY)
 # The tests make it with two worlds instead of twenty.
 tutorial: $(READY)
 	MULTISRT_WHOLE=1 $(BIN)/python -m pytest --quiet tests/docs/test_tutorial.py
+
+campaign: $(READY)
+	$(BIN)/multisrt campaign run --missions $(MISSIONS) --workers 2 --store $(OUT)/campaign/missions.sqlite
 
 golden: $(READY)
 	$(BIN)/python tests/golden/golden_runs.py

@@ -30,8 +30,8 @@ LENGTH_FACTOR: Final = 2.0
 """The same for the smallest of a length: cells of half the width already are four times as many."""
 
 HASTY, HASTE = 0.15, (3.0, 12.0)
-"""Share of draws with shorter waits and limits of time, and by what factors they are shorter: that a
-robot waits for ever shows in a run that goes on for longer than all of these together."""
+"""Share of draws with shorter waits and limits of time, and by what factors they are shorter: a
+robot that waits for ever shows in a run that goes on for longer than all of these together."""
 
 NONE: Final = "none"
 """None, as it is written in a spec."""

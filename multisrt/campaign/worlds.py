@@ -130,7 +130,7 @@ def _inline(name: str, free: BaseGeometry) -> InlineEnvironment:
 
 def _generated(chance: Chance) -> CatalogEnvironment:
     name = chance.one_of([name for name in names() if default_parameters(name)])
-    low, high = SIZES_M[chance.weighted({"small": 0.5, "usual": 0.42, "large": 0.08})]
+    low, high = SIZES_M[chance.weighted({"small": 0.65, "usual": 0.31, "large": 0.04})]
     for _ in range(MAX_TRIES):
         parameters = {
             parameter: _parameter(parameter, default, chance, (low, high))

@@ -7,7 +7,7 @@ from contextlib import closing
 
 import pytest
 
-MISSIONS = 12
+MISSIONS = 8
 
 
 @pytest.mark.slow

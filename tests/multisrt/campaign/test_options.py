@@ -95,7 +95,7 @@ def test_at_times_all_waits_are_shorter_by_one_factor_but_not_the_periods():
     made = Strategy(name="own", summary="Own", options=Waits, explorer=_unused)
     drawn = [draw_options(made, Chance(1, number)) for number in range(DRAWS)]
     factors = [
-        (30.0 / options["first_s"], 6.0 / options["last_s"])
+        (30.0 / float(options["first_s"]), 6.0 / float(options["last_s"]))
         for options in drawn
         if options.keys() == {"first_s", "last_s"} and all(options.values())
     ]

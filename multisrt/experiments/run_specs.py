@@ -173,7 +173,7 @@ def is_file(choice: EnvironmentChoice, folder: Path | None = None) -> bool:
     separators = (os.sep, *(() if os.altsep is None else (os.altsep,)))
     if Path(name).suffix or any(separator in name for separator in separators):
         return True
-    return folder is not None and (folder / name).exists()
+    return folder is not None and os.path.exists(folder / name)  # False of names too long
 
 
 def starts_label(choice: StartsChoice) -> str:

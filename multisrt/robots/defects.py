@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import NamedTuple, NoReturn
 
 from multisrt.geometry.errors import InvalidInputError
@@ -53,6 +54,26 @@ class ExplorerDefect(InvalidInputError, AssertionError):
 
     def __str__(self) -> str:
         return f"{self.where}: {self.what}; {self.remedy}"
+
+    def in_run(self, strategy: str, time_s: float) -> ExplorerDefect:
+        """Return the same defect with its strategy and its time (s), unless its place tells more.
+
+        Examples
+        --------
+        >>> defect = ExplorerDefect("it yielded None", "the explorer of robot 0", "yield Sense()")
+        >>> print(defect.in_run("mine", 12.5))
+        the explorer of robot 0 ('mine') at 12.5 s: it yielded None; yield Sense()
+        """
+        if not self.is_refusal:
+            return self
+        return ExplorerDefect(
+            self.what, f"{self.where} ({strategy!r}) at {time_s:g} s", self.remedy
+        )
+
+    @property
+    def is_refusal(self) -> bool:
+        """Whether it is told without a place in a run."""
+        return re.fullmatch(r"(building )?the explorer of robot \d+", self.where) is not None
 
 
 def refuse(robot: int, what: str, remedy: str) -> NoReturn:

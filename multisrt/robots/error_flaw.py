@@ -10,7 +10,7 @@ from typing import Any, get_args
 
 import msgspec
 
-from multisrt.geometry.errors import did_you_mean
+from multisrt.geometry.errors import did_you_mean, reason_of
 from multisrt.robots.code_places import package_of, place_of_error, place_suffix
 from multisrt.robots.defects import ExplorerDefect, Flaw
 from multisrt.robots.explorer import Action, Sense
@@ -40,7 +40,7 @@ def error_flaw(cls: Any, error: BaseException, usual: str) -> Flaw:
     """
     if isinstance(error, ExplorerDefect):  # what a rule of assignment does
         return Flaw(f"{error.where}: {error.what}", error.remedy)
-    said = f": {error}" if str(error) else ""
+    said = _said(error)
     place = place_of_error(cls, error.__traceback__)
     meant = ""
     if isinstance(error, AttributeError) and error.name and error.obj is not None:
@@ -49,6 +49,13 @@ def error_flaw(cls: Any, error: BaseException, usual: str) -> Flaw:
     if remedy == usual and place:
         remedy = f"correct that line: {usual}"
     return Flaw(f"it raised {type(error).__name__}{said}{meant}{place_suffix(place)}", remedy)
+
+
+def _said(error: BaseException) -> str:
+    try:
+        return f": {reason_of(error)}" if str(error) else ""
+    except Exception:  # a message of the user's that cannot be made
+        return ""
 
 
 def _not_yielded(error: BaseException) -> str:

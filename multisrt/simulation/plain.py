@@ -63,6 +63,8 @@ def size_bytes(message: Any, robot: int) -> int:
             f"it sent {brief(message)}, which is no message",
             "derive a class from multisrt.robots.messages.Message, and send an instance",
         )
+    if not isinstance(message.sender, int | np.integer) or message.sender != robot:
+        _refuse_value(robot, "sender of its message", message.sender, f"give sender={robot}")
     try:
         return message.size_bytes
     except (TypeError, ValueError, OverflowError, RecursionError) as error:
@@ -81,6 +83,8 @@ def motion(move: Move, robot: int) -> Move:
     guard_m, purpose = move.guard_m, move.purpose
     if guard_m is not None:
         guard_m = _number(guard_m, robot, "guard_m of its Move")
+        if guard_m <= 0.0:
+            _refuse_value(robot, "guard_m of its Move", guard_m, "give a positive number, or None")
     listen = _flag(move.listen, robot, "listen of its Move")
     if purpose not in PURPOSES:
         allowed = f"give one of {', '.join(map(repr, PURPOSES))}"
@@ -138,7 +142,7 @@ def is_on_call(done: Done, robot: int) -> bool:
     return _flag(done.on_call, robot, "on_call of its Done")
 
 
-def event(noted: Any, robot: int, now_s: float) -> AnyEvent:
+def event(noted: Any, robot: int, now_s: float, *, is_ours: bool = False) -> AnyEvent:
     """Return an event as it can be recorded.
 
     Parameters
@@ -149,12 +153,13 @@ def event(noted: Any, robot: int, now_s: float) -> AnyEvent:
         Its robot.
     now_s : float
         The time in seconds, which is that of the event: runs are measured by when things happened.
+    is_ours : bool
+        Whether code of this package made it, whose values have the declared types.
 
     Returns
     -------
     Event
-        The same event if all that is in it can be written, else that of `as_declared`. So values
-        of a wrong builtin type pass here: `multisrt.testing.check_explorer` finds them.
+        That of `as_declared`; the same event if it is ours and all that is in it can be written.
 
     Raises
     ------
@@ -162,7 +167,7 @@ def event(noted: Any, robot: int, now_s: float) -> AnyEvent:
         If it is not an event that explorers put on record, has another time, or `as_declared`
         raises it.
     """
-    found = _recordable(noted, robot)
+    found = _recordable(noted, robot, is_ours)
     if abs(found.time_s - now_s) > SAME_TIME_S:
         refuse(
             robot,
@@ -173,9 +178,9 @@ def event(noted: Any, robot: int, now_s: float) -> AnyEvent:
     return found
 
 
-def _recordable(noted: Any, robot: int) -> AnyEvent:
+def _recordable(noted: Any, robot: int, is_ours: bool) -> AnyEvent:
     # To write an event costs little; to read it again would cost 2 to 4 percent of a run.
-    if type(noted) in _EVENTS and type(noted.time_s) is float and noted.robot == robot:
+    if is_ours and type(noted) in _EVENTS and type(noted.time_s) is float and noted.robot == robot:
         try:
             if _NOT_FINITE.search(_BUILTIN_ENCODER.encode(noted)) is None:
                 return cast(AnyEvent, noted)
@@ -230,6 +235,18 @@ def as_declared(noted: Event, robot: int) -> AnyEvent:
 
 
 def _trajectory(trajectory: Any, robot: int) -> Trajectory:
+    found = _with_builtins(trajectory, robot)
+    times_s = [waypoint.time_s for waypoint in found.waypoints]
+    if times_s[0] != 0.0 or times_s != sorted(times_s):
+        refuse(
+            robot,
+            f"the times of its trajectory are {brief(times_s)}",
+            "begin at 0, and give every waypoint a time that is not before the last one's",
+        )
+    return found
+
+
+def _with_builtins(trajectory: Any, robot: int) -> Trajectory:
     remedy = "give a Trajectory of Waypoint(time_s, x, y, heading) with finite numbers"
     if not isinstance(trajectory, Trajectory):
         _refuse_value(robot, "trajectory of its Move", trajectory, remedy)

@@ -6,10 +6,13 @@ take its actions here, and refuse here what is no action or comes at the wrong m
 
 from __future__ import annotations
 
+import inspect
+from collections.abc import Callable
 from types import CoroutineType, GeneratorType
 from typing import Any, NoReturn, cast, get_args
 
 from multisrt.events import Event
+from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.regions.scan import ExactScan, LaserScan
 from multisrt.planners.motion.trajectory import Trajectory
 from multisrt.robots.defects import ExplorerDefect, article, brief, described, refuse
@@ -22,6 +25,7 @@ from multisrt.robots.explorer import (
     Moved,
     Outcome,
     Received,
+    RobotSelf,
     Steps,
     Stop,
     TimedOut,
@@ -31,8 +35,51 @@ from multisrt.robots.messages import Message
 MAX_ACTIONS = 100_000
 """Actions of one explorer at one moment; one that yields more never lets time pass."""
 
+FROM_ITS_OWN = "build it from its RobotSelf and its options alone"
+"""What to do about an exception in building an explorer, if it does not tell more."""
+
 TRY_IT = "see what 'multisrt check FILE' says of it"
 """What to do about an exception in a run, if it does not tell more."""
+
+
+def build(make: Callable[[RobotSelf, Any], Explorer], me: RobotSelf, options: object) -> Explorer:
+    """Return the explorer of a robot.
+
+    Parameters
+    ----------
+    make : callable
+        That of its strategy.
+    me : RobotSelf
+        What the robot knows of itself.
+    options : object
+        The options of the strategy.
+
+    Returns
+    -------
+    Explorer
+        The explorer.
+
+    Raises
+    ------
+    ExplorerDefect
+        If it cannot be built, by an exception which is its cause then, or has no `run()`. Errors
+        of this package pass as they are.
+    """
+    where = f"building the explorer of robot {me.robot}"
+    try:
+        explorer = make(me, options)
+    except InvalidInputError:
+        raise
+    except (Exception, SystemExit) as error:
+        what, remedy = error_flaw(inspect.unwrap(make), error, FROM_ITS_OWN)
+        raise ExplorerDefect(what, where, remedy) from error
+    if not callable(getattr(explorer, "run", None)):
+        raise ExplorerDefect(
+            f"what was built is {article(type(explorer).__name__)}, which has no run()",
+            where,
+            "give it a method run(self), a generator of actions",
+        )
+    return explorer
 
 
 def begin(explorer: Explorer, robot: int, usual: str = TRY_IT) -> Steps:

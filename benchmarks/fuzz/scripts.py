@@ -70,6 +70,30 @@ class Call(Message, frozen=True):
     content: Any = None
 
 
+class Nameless(Message, frozen=True):
+    """A message whose kind is no name."""
+
+    kind = 5  # type: ignore[assignment]
+
+
+class Sleepless(Message, frozen=True):
+    """A message that cannot say whether it wakes."""
+
+    @property
+    def wakes(self) -> bool:
+        """Raise an error."""
+        raise KeyError("no text")
+
+
+class Weightless(Message, frozen=True):
+    """A message without a size."""
+
+    @property
+    def size_bytes(self) -> int:
+        """Raise an error."""
+        raise KeyError("no text")
+
+
 class Scripted:
     """Yields what its script says."""
 
@@ -124,7 +148,10 @@ class Scripted:
 
 KINDS: Final[dict[str, Callable[..., Any]]] = {
     kind.__name__: kind
-    for kind in (*get_args(Action), Trajectory, Waypoint, Configuration, Words, Call, Message)
+    for kind in (
+        *(*get_args(Action), Trajectory, Waypoint, Configuration),
+        *(Message, Words, Call, Nameless, Sleepless, Weightless),
+    )
 }
 """Actions and what they are made of, by name."""
 
@@ -148,9 +175,11 @@ def _onward(explorer: Scripted, fields: dict[str, Any]) -> Trajectory:
 
 
 def _raise(explorer: Scripted, fields: dict[str, Any]) -> None:
-    kind = getattr(builtins, str(fields.get("error")), None)
+    kind: Any = getattr(builtins, str(fields.get("error")), None)
+    text = fields.get("text", "")
+    # Errors for want of memory would be taken for those of the reader.
     is_error = isinstance(kind, type) and issubclass(kind, Exception | SystemExit)
-    raise (kind if is_error and kind is not MemoryError else ValueError)(fields.get("text", ""))
+    raise kind(text) if is_error and kind is not MemoryError else ValueError(text)
 
 
 def _own_list(explorer: Scripted, fields: dict[str, Any]) -> list[Any]:
@@ -161,7 +190,7 @@ def _own_list(explorer: Scripted, fields: dict[str, Any]) -> list[Any]:
 
 def _deep(explorer: Scripted, fields: dict[str, Any]) -> Any:
     made: Any = None
-    for _ in range(100_000):
+    for _ in range(2_000):
         made = (made,)
     return made
 

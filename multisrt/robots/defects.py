@@ -5,7 +5,9 @@ from __future__ import annotations
 import re
 from typing import NamedTuple, NoReturn
 
-from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.errors import InvalidInputError, escaped
+
+_ADDRESS = re.compile(r" (object )?at 0x[0-9a-fA-F]+")
 
 
 class Flaw(NamedTuple):
@@ -97,9 +99,23 @@ def refuse(robot: int, what: str, remedy: str) -> NoReturn:
 
 
 def brief(value: object, length: int = 80) -> str:
-    """Return the representation of a value, cut to a length."""
-    text = repr(value)
+    """Return the representation of a value on one line, cut to a length.
+
+    Examples
+    --------
+    >>> brief(object()), brief(["a line" * 100], 20)
+    ('<object>', "['a linea linea l...")
+    """
+    try:
+        text = one_line(repr(value))
+    except Exception:  # of the value's own code, or too deep
+        text = f"<{type(value).__name__}>"
     return text if len(text) <= length else f"{text[: length - 3]}..."
+
+
+def one_line(text: str) -> str:
+    """Return a text on one line, without addresses in memory, which differ from run to run."""
+    return escaped(" ".join(_ADDRESS.sub("", text).split()))
 
 
 def article(noun: str) -> str:

@@ -108,9 +108,7 @@ class Interpreter:
         self._faults = surroundings.faults
         self._standstill = surroundings.standstill
         self.actions: Steps | None = None
-        # How many actions the explorer has yielded at the present moment.
-        self._acted_s = 0.0
-        self._actions = 0
+        self._pace = protocol.Pace(robot.number)
 
     def process(self, join_s: float | None) -> Process:
         """Run the explorer until it is permanently done, or the robot dies or collides.
@@ -179,11 +177,8 @@ class Interpreter:
 
     def _next_action(self, actions: Steps, outcome: Outcome) -> Action:
         now_s, number = self._clock.now_s, self._robot.number
-        if self._acted_s < now_s:
-            self._acted_s, self._actions = now_s, 0
         self._journal.note_time(now_s)
-        self._actions += 1
-        protocol.require_progress(self._actions, number, now_s)
+        self._pace.count(now_s)
         return protocol.next_action(self._explorer, actions, outcome, number)
 
     def _note(self, note: Note) -> None:
@@ -211,6 +206,8 @@ class Interpreter:
     def _finish(self, done: Done) -> None:
         robot = self._robot
         end = plain.ended(done, robot.number, self._clock.now_s)
+        if flaw := self._journal.flaw(end):
+            refuse(robot.number, f"its Done: {flaw}", "give places in metres")
         # A robot that is called on and ends as before is not recorded again.
         if robot.end is None or _statement(robot.end) != _statement(end):
             self._journal.record(end)

@@ -12,7 +12,7 @@ from benchmarks.fuzz.targets import TARGETS
 from multisrt.environments.formats import FORMATS, read_environment
 
 INPUTS = 50
-MORE = dict.fromkeys(("run_spec", "experiment", "campaign_store", "failure", "strategy"), 200)
+MORE = dict.fromkeys(("run_spec", "experiment", "failure", "strategy"), 200)
 MAX_SEED_BYTES = 9000
 BINARY = ("dxf", "image", "numpy_array", "experiment_store", "campaign_store")
 TEXTS = [name for name in TARGETS if name not in BINARY]

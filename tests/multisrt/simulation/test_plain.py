@@ -285,7 +285,7 @@ WAY = Trajectory(STRAIGHT)
 def test_what_cannot_be_used_is_refused_in_words(play, action, said):
     with pytest.raises(ExplorerDefect, match=said) as caught:
         play([Sense(), action, END], [END])
-    assert caught.value.where == "the explorer of robot 0"
+    assert caught.value.where.startswith("the explorer of robot 0 ('script') at ")
     assert isinstance(caught.value, InvalidInputError)
     assert "\n" not in str(caught.value)
 

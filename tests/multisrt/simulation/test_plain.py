@@ -33,6 +33,7 @@ from multisrt.recording import Recording
 from multisrt.robots.defects import ExplorerDefect
 from multisrt.robots.explorer import Done, Look, Move, Note, Receive, Send, Sense, TimedOut
 from multisrt.robots.messages import Message
+from multisrt.simulation import plain
 from multisrt.spec import RobotSpec
 
 END = Done(complete=True, reason="enough")
@@ -321,7 +322,20 @@ def test_what_is_noted_has_the_present_time(drive):
 
 
 def test_events_that_can_be_written_are_recorded_as_they_are(act):
-    assert noted(act, NODE) is NODE
+    assert noted(act, NODE) == NODE
+    assert plain.event(NODE, 0, 1.0, is_ours=True) is NODE
+
+
+def test_whole_numbers_are_recorded_as_their_field_declares(act):
+    chosen = GoalChosen(time_s=1.0, robot=0, rule="mine", because="start", goal=(2, 1))
+    assert isinstance(noted(act, chosen).goal[0], float)
+
+
+def test_times_of_a_trajectory_begin_at_0_and_do_not_decrease():
+    for times_s in ((0.0, 2.0, 1.0), (1.0, 2.0)):
+        back = Trajectory(tuple(Waypoint(time_s, 1.0, 1.0, 0.0) for time_s in times_s))
+        with pytest.raises(ExplorerDefect, match="the times of its trajectory"):
+            plain.motion(Move(trajectory=back), 0)
 
 
 def test_lists_in_place_of_tuples_are_recorded(act):

@@ -77,7 +77,7 @@ def of_sqlite(
             connection.deserialize(content)
             _damage(connection, rng, words)
             return connection.serialize()
-    except (sqlite3.Error, OverflowError):  # damaged before
+    except (sqlite3.Error, OverflowError, UnicodeDecodeError):  # damaged before
         return of_bytes(content, rng, seeds, words)
 
 

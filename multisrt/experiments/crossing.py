@@ -341,7 +341,7 @@ def _seeds(choice: EnvironmentChoice) -> Sequence[int]:
     if span is None or int(span[1]) > int(span[2]):
         raise InvalidInputError(
             f'environment {choice.name!r}: seeds are numbers, or a range like "0-9", not '
-            f"{choice.seeds!r}"
+            f"{shown(choice.seeds)}"
         )
     first, last = int(span[1]), int(span[2])
     if last - first >= MAX_RUNS:

@@ -376,7 +376,7 @@ def labels_in(path: Path) -> list[str]:
             RESULTS.require(path, found)
             ordered = "SELECT strategy FROM runs GROUP BY strategy ORDER BY min(position)"
             return [str(label) for (label,) in found.execute(ordered)]
-    except (OSError, sqlite3.Error, InvalidInputError):
+    except (OSError, sqlite3.Error, UnicodeDecodeError, InvalidInputError):
         return []
 
 
@@ -420,6 +420,10 @@ def errors_of(path: Path) -> Iterator[None]:
     """Turn errors of SQLite inside into InvalidInputError, with the remedy."""
     try:
         yield
+    except UnicodeDecodeError as error:  # of the names of tables, and of text
+        raise InvalidInputError(
+            f"{path}: a damaged file of results ({reason_of(error)}); {OR_ANOTHER}"
+        ) from None
     except sqlite3.Error as error:
         message = reason_of(error)  # it may cite the file
         name = getattr(error, "sqlite_errorname", "")

@@ -19,6 +19,7 @@ from multisrt.events import AnyEvent, Ended, Event, NotedEvent, Purpose
 from multisrt.geometry.errors import reason_of
 from multisrt.geometry.numerics.arrays import builtin
 from multisrt.planners.motion.trajectory import Trajectory, Waypoint
+from multisrt.recording.flaws import waypoints_flaw
 from multisrt.robots.defects import ExplorerDefect, brief, described, refuse
 from multisrt.robots.explorer import Done, Move, Receive
 from multisrt.robots.messages import Message
@@ -244,13 +245,10 @@ def as_declared(noted: Event, robot: int) -> AnyEvent:
 
 def _trajectory(trajectory: Any, robot: int) -> Trajectory:
     found = _with_builtins(trajectory, robot)
-    times_s = [waypoint.time_s for waypoint in found.waypoints]
-    if times_s[0] != 0.0 or times_s != sorted(times_s):
-        refuse(
-            robot,
-            f"the times of its trajectory are {brief(times_s)}",
-            "begin at 0, and give every waypoint a time that is not before the last one's",
-        )
+    if (begin_s := found.waypoints[0].time_s) != 0.0:
+        refuse(robot, f"its trajectory begins at {begin_s:g} s", "begin every trajectory at 0")
+    if flaw := waypoints_flaw(found.waypoints):
+        refuse(robot, f"its trajectory: {flaw}", "see multisrt.planners.motion.trajectory")
     return found
 
 

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
-from multisrt.geometry.errors import InvalidInputError
 from multisrt.spec.part import Part, Scalar
 
 
@@ -20,11 +17,6 @@ class CatalogEnvironment(Part, frozen=True, kw_only=True, tag_field="from", tag=
     seed : int or None
         Seed of a generator, independent of the seed of the run; None for the generator's default.
 
-    Raises
-    ------
-    InvalidInputError
-        If a parameter is no finite number.
-
     Examples
     --------
     >>> CatalogEnvironment(name="rooms", parameters={"size_m": 18.0}, seed=3).name
@@ -34,14 +26,6 @@ class CatalogEnvironment(Part, frozen=True, kw_only=True, tag_field="from", tag=
     name: str
     parameters: dict[str, Scalar] = {}
     seed: int | None = None
-
-    def __post_init__(self) -> None:
-        for name, value in self.parameters.items():
-            if isinstance(value, float) and not math.isfinite(value):
-                raise InvalidInputError(
-                    f"parameter {name!r} of environment {self.name!r} is a finite number, "
-                    f"not {value:g}"
-                )
 
 
 class SuiteEnvironment(Part, frozen=True, kw_only=True, tag_field="from", tag="suite"):

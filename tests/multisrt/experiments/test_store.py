@@ -355,6 +355,13 @@ def test_tables_that_are_not_ours_are_refused(filled, change):
         Store.create_or_open(filled, SPEC)
 
 
+def test_names_of_tables_that_are_no_text_are_told(filled):
+    filled.write_bytes(filled.read_bytes().replace(b"TABLE runs", b"TABLE r\xc7ns"))
+    assert labels_in(filled) == []
+    with pytest.raises(InvalidInputError, match="a damaged file of results"):
+        Store.open(filled)
+
+
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [

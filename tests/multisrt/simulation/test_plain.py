@@ -331,11 +331,18 @@ def test_whole_numbers_are_recorded_as_their_field_declares(act):
     assert isinstance(noted(act, chosen).goal[0], float)
 
 
-def test_times_of_a_trajectory_begin_at_0_and_do_not_decrease():
-    for times_s in ((0.0, 2.0, 1.0), (1.0, 2.0)):
-        back = Trajectory(tuple(Waypoint(time_s, 1.0, 1.0, 0.0) for time_s in times_s))
-        with pytest.raises(ExplorerDefect, match="the times of its trajectory"):
-            plain.motion(Move(trajectory=back), 0)
+@pytest.mark.parametrize(
+    ("waypoints", "said"),
+    [
+        (((0.0, 0.0), (2.0, 0.0), (1.0, 0.0)), "the times of a motion's waypoints never fall"),
+        (((1.0, 0.0), (2.0, 0.0)), "its trajectory begins at 1 s"),
+        (((0.0, 0.0), (1.0, 15.0)), "a leg of a motion turns by more than"),
+    ],
+)
+def test_trajectories_that_no_recording_holds_are_refused(waypoints, said):
+    wrong = Trajectory(tuple(Waypoint(at_s, 1.0, 1.0, heading) for at_s, heading in waypoints))
+    with pytest.raises(ExplorerDefect, match=said):
+        plain.motion(Move(trajectory=wrong), 0)
 
 
 def test_lists_in_place_of_tuples_are_recorded(act):

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from multisrt.environments.generators.difficulty import KNOB, RANGES, parameters_at
-from multisrt.geometry.errors import InvalidInputError, did_you_mean
+from multisrt.geometry.errors import InvalidInputError, did_you_mean, shown
 
 if TYPE_CHECKING:
     from multisrt.environments.environment import Environment
@@ -150,7 +150,7 @@ def environment(name: str, *, seed: int | None = None, **parameters: float) -> "
     if unknown:
         listed = ", ".join(f"{parameter}={as_text(value)}" for parameter, value in accepted)
         raise InvalidInputError(
-            f"{name} has no parameter {unknown[0]!r}; it takes seed and, with these defaults, "
+            f"{name} has no parameter {shown(unknown[0])}; it takes seed and, with these defaults, "
             f"{listed}"
         )
     return _generator(name)(**parameters, seed=0 if seed is None else seed)
@@ -258,4 +258,4 @@ def _unknown(name: str) -> str:
     hint = did_you_mean(name, names())
     if "/" in name:
         hint += " (worlds of suites: multisrt.suites.world)"
-    return f"no environment is called {name!r}{hint}; the names are {', '.join(names())}"
+    return f"no environment is called {shown(name)}{hint}; the names are {', '.join(names())}"

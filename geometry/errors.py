@@ -213,4 +213,4 @@ def did_you_mean(word: object, known: Iterable[object]) -> str:
     ''
     """
     close = difflib.get_close_matches(str(word), list(map(str, known)), n=1)
-    return f" (did you mean {close[0]!r}?)" if close else ""
+    return f" (did you mean {shown(close[0])}?)" if close else ""

@@ -8,9 +8,15 @@ from typing import Any
 
 import msgspec
 
-from multisrt.geometry.errors import did_you_mean
+from multisrt.geometry.errors import did_you_mean, shortened, shown
 
 Schema = dict[str, Any]
+
+MAX_EXPLAINED = 600
+"""Upper bound of the length of a message, in characters."""
+
+UNREADABLE = (msgspec.MsgspecError, ValueError, RecursionError)
+"""What decoders raise, of msgspec and those of Python that it calls."""
 
 
 def explained(error: Exception, wanted: Any) -> str:
@@ -46,14 +52,16 @@ def explained(error: Exception, wanted: Any) -> str:
     if unknown is not None:
         known = _fields(schema, place)
         hint = did_you_mean(unknown[1], known) or f"; there are: {', '.join(known)}"
-        said = f"there is no field {unknown[1]!r}{hint}"
+        said = f"there is no field {shown(unknown[1])}{hint}"
     elif said.startswith(("Invalid enum value", "Invalid value '")):
         said += f"; allowed: {', '.join(_allowed(schema, place))}"
+    elif "matching regex" in said:
+        said = "expected text on one line, without control characters"
     elif said.startswith("Object missing required field"):
         said = said.replace("Object missing required field", "missing field")
     else:
         said = re.sub(r"`([^`]*)`", lambda kinds: _in_words(kinds[1]), said)
-    return f"{place}: {said}" if place else said
+    return shortened(f"{place}: {said}" if place else said, MAX_EXPLAINED)
 
 
 def allowed_words(kind: Any) -> list[str]:

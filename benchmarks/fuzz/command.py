@@ -3,7 +3,7 @@
 An input depends only on the format, the seed and its number, so that it can be made and read
 again: ``python -m benchmarks.fuzz --format svg --number 1234``. Inputs that a reader fails on are
 written to a folder; once the reader is fixed, the smallest input that shows the defect goes to
-``tests/environments/fuzz/kept``.
+``tests/fuzz/kept``.
 """
 
 from __future__ import annotations
@@ -12,18 +12,15 @@ import argparse
 import sys
 import tempfile
 import time
-from collections import Counter
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
-from benchmarks.fuzz.judging import Outcome, Verdict, judge
+from benchmarks.fuzz.judging import judge
 from benchmarks.fuzz.processes import Campaign, run
-from benchmarks.fuzz.targets import TARGETS, Target
-
-MAX_KEPT: Final = 3
-"""Upper bound of the inputs that are written of each group of equal failures."""
+from benchmarks.fuzz.report import TITLE, Report, page, total
+from benchmarks.fuzz.target import Target
+from benchmarks.fuzz.targets import TARGETS
 
 PROGRESS_S: Final = 60.0
 """Time between two lines of progress, in seconds."""
@@ -45,6 +42,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
     )
     parser.add_argument("--number", type=int, help="only make and read this input of one --format")
     parser.add_argument(
+        "--page", type=Path, metavar="FILE", help="also write the table to a page (.md)"
+    )
+    parser.add_argument(
         "--out", type=Path, default=Path("out/fuzz"), help="folder for failing inputs"
     )
     named = parser.parse_args(arguments)
@@ -54,7 +54,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
             parser.error("--number requires exactly one --format")
         sys.exit(again(targets[0], named.seed, named.number, named.out))
     print(TITLE)
-    failed = False
+    reports = []
     for target, count in zip(targets, shares(named.inputs, len(targets)), strict=True):
         campaign = Campaign(
             target=target, seed=named.seed, numbers=range(count), workers=named.workers
@@ -63,86 +63,16 @@ def main(arguments: Sequence[str] | None = None) -> None:
         print(report.row(), flush=True)
         for line in report.failures():
             print(line, flush=True)
-        failed |= bool(report.faults)
-    sys.exit(1 if failed else 0)
+        reports.append(report)
+    print(total(reports))
+    if named.page is not None:
+        named.page.write_text(page(reports, named.seed), encoding="utf-8")
+    sys.exit(1 if any(report.failed for report in reports) else 0)
 
 
 def shares(inputs: int, parts: int) -> list[int]:
     """Return the number of inputs of each part, as equal as possible."""
     return [(inputs + part) // parts for part in range(parts)]
-
-
-TITLE: Final = (
-    f"{'format':20} {'inputs':>8} {'read':>8} {'refused':>8} {'failed':>7} {'s':>7} {'1/s':>7} "
-    f"{'slowest':>8} {'number':>8} {'MB':>6}"
-)
-
-
-@dataclass(slots=True)
-class Report:
-    """Results of the inputs of a reader.
-
-    Attributes
-    ----------
-    target : Target
-        The reader.
-    counts : Counter of Verdict
-        Number of inputs for each verdict.
-    faults : dict of str to list of int
-        Numbers of the inputs that failed, by the kind of failure.
-    seconds : float
-        Elapsed time in seconds.
-    slowest : (float, int)
-        Processor time in seconds and number of the input that took longest.
-    memory : int
-        Largest memory that an input added to its process, in bytes.
-    """
-
-    target: Target
-    counts: Counter[Verdict] = field(default_factory=Counter)
-    faults: dict[str, list[int]] = field(default_factory=dict)
-    seconds: float = 0.0
-    slowest: tuple[float, int] = (0.0, 0)
-    memory: int = 0
-
-    def add(self, number: int, outcome: Outcome) -> bool:
-        """Count an input; return whether it is one of the first with such a failure."""
-        self.counts[outcome.verdict] += 1
-        self.slowest = max(self.slowest, (outcome.seconds, number))
-        self.memory = max(self.memory, outcome.memory)
-        if outcome.verdict.is_right:
-            return False
-        kind = f"{outcome.verdict.value}: {outcome.detail}"
-        # Failures in the same place are grouped: their messages may cite different values.
-        known = next((one for one in self.faults if _alike(one, kind)), kind)
-        self.faults.setdefault(known, []).append(number)
-        return len(self.faults[known]) <= MAX_KEPT
-
-    def row(self) -> str:
-        """Return a line of the table."""
-        total = self.counts.total()
-        failed = sum(map(len, self.faults.values()))
-        slow, number = self.slowest
-        return (
-            f"{self.target.name:20} {total:8,} {self.counts[Verdict.READ]:8,} "
-            f"{self.counts[Verdict.REFUSED]:8,} {failed:7,} {self.seconds:7.0f} "
-            f"{total / max(self.seconds, 1e-9):7.0f} {slow:8.2f} {number:8} "
-            f"{self.memory / 2**20:6.0f}"
-        )
-
-    def failures(self) -> Iterator[str]:
-        """Yield a line for each group of failures, the largest first."""
-        for kind, numbers in sorted(self.faults.items(), key=lambda one: -len(one[1])):
-            some = ", ".join(map(str, numbers[:MAX_KEPT]))
-            yield f"    {len(numbers):,} x {kind[:600]} (number {some})"
-
-
-def _alike(one: str, other: str) -> bool:
-    # The place comes last; without one, the first words are compared.
-    places = [
-        text.rpartition(" (")[2] if text.endswith(")") else text[:40] for text in (one, other)
-    ]
-    return one.partition(":")[0] == other.partition(":")[0] and places[0] == places[1]
 
 
 def report_of(campaign: Campaign, out: Path) -> Report:

@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable, Iterable
 from typing import Final
 
-from benchmarks.fuzz.targets import Input, Options
+from benchmarks.fuzz.target import Input, Options
 
 Point = tuple[float, float]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import time
 import traceback
 import warnings
@@ -10,11 +11,8 @@ from enum import Enum
 from pathlib import Path
 from typing import Final
 
-import numpy as np
-import shapely
-
-from benchmarks.fuzz.targets import Input, Target
-from multisrt.environments.environment import MAX_COORDINATE_M, Environment
+from benchmarks.fuzz.flaws import flaw_of_message
+from benchmarks.fuzz.target import Input, Target
 from multisrt.geometry.errors import InvalidInputError
 
 MAX_SECONDS: Final = 5.0
@@ -22,9 +20,6 @@ MAX_SECONDS: Final = 5.0
 
 MAX_MEMORY: Final = 2**30
 """Upper bound of what an input may add to the memory of the process, in bytes (1 GiB)."""
-
-MAX_MESSAGE: Final = 1000
-"""Upper bound of the length of an error message, in characters."""
 
 
 class Verdict(Enum):
@@ -36,7 +31,7 @@ class Verdict(Enum):
     HANG = "hang"
     MEMORY = "memory"
     MESSAGE = "bad message"
-    WORLD = "bad world"
+    CONTENT = "bad content"
     WARNING = "warning"
 
     @property
@@ -101,55 +96,19 @@ def judge(target: Target, one: Input, folder: Path) -> Outcome:
 
 def _verdict(target: Target, one: Input, path: Path) -> tuple[Verdict, str]:
     try:
-        world = target.read(path, **one.options)
+        found = target.read(path, **one.options)
     except InvalidInputError as error:
         if _ran_out_of_memory(error):
             return Verdict.MEMORY, "MemoryError"
-        if fault := flaw_of_message(str(error), path.parent):
+        if fault := flaw_of_message(str(error), target.must_name or (str(path.parent),)):
             return Verdict.MESSAGE, f"{fault}: {str(error)!r}"
         return Verdict.REFUSED, ""
     except MemoryError as error:
         return Verdict.MEMORY, _place(error)
     except Exception as error:
         return Verdict.CRASH, _place(error)
-    fault = flaw_of_world(world)
-    return (Verdict.WORLD, fault) if fault else (Verdict.READ, "")
-
-
-def flaw_of_message(message: str, folder: Path) -> str:
-    """Return what is wrong with an error message; empty if it is one line that names a file.
-
-    Parameters
-    ----------
-    message : str
-        The message.
-    folder : Path
-        The folder of the file, which the message must contain.
-    """
-    if not message.isprintable():
-        return "not one line of printable text"
-    if str(folder) not in message:
-        return "names no file"
-    if "Traceback" in message or " object at 0x" in message:
-        return "text of a program"
-    return "too long" if len(message) > MAX_MESSAGE else ""
-
-
-def flaw_of_world(world: Environment) -> str:
-    """Return what is wrong with a world; empty if it can be explored."""
-    points = shapely.get_coordinates(world.free)
-    if world.free.is_empty or not len(points):
-        return "free space is empty"
-    if not np.isfinite(points).all() or np.abs(points).max() > MAX_COORDINATE_M * (1 + 1e-9):
-        return "a coordinate is not finite or too large"
-    if not world.free.is_valid:
-        return f"free space is not valid: {shapely.is_valid_reason(world.free)}"
-    if not all(world.contains(x, y) for x, y in world.starts):
-        return "a suggested start is not in free space"
-    # A name is kept as it is given; what writes it makes it printable.
-    if not f"{world.origin}{world.cleaning}".isprintable():
-        return f"origin or cleaning is not printable: {world.origin!r}, {str(world.cleaning)!r}"
-    return ""
+    fault = target.flaw(found)
+    return (Verdict.CONTENT, fault) if fault else (Verdict.READ, "")
 
 
 def _ran_out_of_memory(error: BaseException | None) -> bool:
@@ -160,10 +119,13 @@ def _ran_out_of_memory(error: BaseException | None) -> bool:
     return False
 
 
+_OURS: Final = re.compile("/(environments|geometry|multisrt|planners)/")
+
+
 def _place(error: BaseException) -> str:
     frames = traceback.extract_tb(error.__traceback__)
     place = f"{frames[-1].filename}:{frames[-1].lineno}" if frames else "?"
-    ours = [frame for frame in frames if "/environments/" in frame.filename]
+    ours = [frame for frame in frames if _OURS.search(frame.filename)]
     if ours and ours[-1] is not frames[-1]:
         place = f"{ours[-1].filename}:{ours[-1].lineno} > {place}"
     return f"{type(error).__name__}: {str(error)[:200]} ({place})"

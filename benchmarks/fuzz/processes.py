@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Final
 
 from benchmarks.fuzz.judging import MAX_MEMORY, MAX_SECONDS, Outcome, Verdict, judge
-from benchmarks.fuzz.targets import Target
+from benchmarks.fuzz.target import Target
 
 MAX_IDLE_S: Final = 120.0
 """Time in seconds without a report after which a process is ended, even if it is idle."""

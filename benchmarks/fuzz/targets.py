@@ -1,147 +1,32 @@
-"""The readers under test: their seeds, dictionaries, options and calls.
-
-A folder of seeds has the files of one format; the files that they name (an image, an included
-file) are in its folder ``companions``, which is copied beside every input.
-"""
+"""The readers under test by the names of their formats."""
 
 from __future__ import annotations
 
-import shutil
-import tempfile
-import zlib
-from collections.abc import Callable
-from contextlib import suppress
-from dataclasses import dataclass
-from functools import cached_property
 from itertools import product
-from pathlib import Path
 from typing import Any, Final
 
 import msgspec
 import numpy as np
 
-from benchmarks.fuzz.mutations import (
-    Mutation,
-    mutated,
-    of_dxf,
-    of_image,
-    of_npy,
-    of_text,
-    pick,
+from benchmarks.fuzz.flaws import flaw_of_shown
+from benchmarks.fuzz.mutations import of_dxf, of_image, of_npy
+from benchmarks.fuzz.readers import (
+    flaw_of_spec,
+    of_campaign_store,
+    of_experiment,
+    of_experiment_store,
+    of_failure,
+    of_recording,
+    of_run_spec,
+    of_team,
 )
-from multisrt.environments.environment import Environment
-from multisrt.environments.formats import read_environment
+from benchmarks.fuzz.scripts import NAMES, REFUSALS, flaw_of_run, run_script
+from benchmarks.fuzz.tables import from_sql, of_sqlite
+from benchmarks.fuzz.target import Options, Target
+from benchmarks.fuzz.trees import of_json, of_json_lines, of_toml, of_yaml
 from multisrt.events import AnyEvent
-from multisrt.geometry.errors import InvalidInputError
-from multisrt.recording import Footer, Header, Recording
+from multisrt.recording import Footer, Header
 from multisrt.recording.lines import digest_of
-
-FOLDER: Final = Path(__file__).resolve().parents[2] / "tests" / "environments" / "fuzz"
-"""Folder of the seeds and of the kept inputs."""
-
-Options = dict[str, Any]
-Read = Callable[..., Environment]
-Finish = Callable[[bytes, np.random.Generator], bytes]
-
-
-@dataclass(frozen=True, slots=True)
-class Input:
-    """A file for a reader: its content, the suffix of its name, and the options of the reader."""
-
-    content: bytes
-    suffix: str
-    options: Options
-
-
-def _as_it_is(content: bytes, rng: np.random.Generator) -> bytes:
-    return content
-
-
-@dataclass(frozen=True, kw_only=True)
-class Target:
-    """A reader, and how its inputs are made.
-
-    Attributes
-    ----------
-    name : str
-        The format, and the name of the folders of its seeds and of its kept inputs.
-    options : tuple of dict
-        Sets of options of the reader: each input uses one of them, kept inputs are read with all.
-    mutate : Mutation
-        Mutation of its files.
-    words : tuple of bytes
-        The dictionary of the format.
-    read : callable
-        Takes the path and the options.
-    finish : callable
-        Last step in making an input, such as the repair of a digest.
-    """
-
-    name: str
-    options: tuple[Options, ...] = ({},)
-    mutate: Mutation = of_text
-    words: tuple[bytes, ...] = ()
-    read: Read = read_environment
-    finish: Finish = _as_it_is
-
-    @cached_property
-    def seeds(self) -> list[tuple[str, bytes]]:
-        """Suffix and content of the seeds, in the order of their names."""
-        return [(path.suffix, path.read_bytes()) for path in files_in(FOLDER / "seeds" / self.name)]
-
-    def input(self, seed: int, number: int) -> Input:
-        """Return an input by its number: first the unchanged seeds, then mutations of them.
-
-        Parameters
-        ----------
-        seed : int
-            Seed of the campaign.
-        number : int
-            Number of the input, from 0.
-        """
-        rng = np.random.default_rng((seed, zlib.crc32(self.name.encode()), number))
-        options = pick(rng, self.options)
-        if number < len(self.seeds):
-            suffix, content = self.seeds[number]
-            return Input(content, suffix, options)
-        suffix, content = pick(rng, self.seeds)
-        contents = [other for _, other in self.seeds]
-        changed = mutated(content, rng, contents, self.words, self.mutate)
-        return Input(self.finish(changed, rng), suffix, options)
-
-    def warm_up(self) -> None:
-        """Read the seeds once, so that later inputs include no compilation and imports."""
-        with tempfile.TemporaryDirectory(prefix="fuzz-") as name:
-            self.prepare(Path(name))
-            for (suffix, content), options in product(self.seeds, self.options):
-                path = Path(name) / f"input{suffix}"
-                path.write_bytes(content)
-                with suppress(InvalidInputError):
-                    self.read(path, **options)
-
-    def prepare(self, folder: Path) -> None:
-        """Copy the companions of the inputs into an empty folder."""
-        for path in files_in(FOLDER / "seeds" / self.name / "companions"):
-            shutil.copy(path, folder)
-
-
-def files_in(folder: Path) -> list[Path]:
-    """Return the files of a folder, sorted by name; none if there is no folder."""
-    if not folder.is_dir():
-        return []
-    return sorted(path for path in folder.iterdir() if path.is_file())
-
-
-def _of_team(path: Path, **options: Any) -> Environment:
-    return read_environment(path.parent / "rooms.png", starts_from=path, **options)
-
-
-def _of_recording(path: Path) -> Environment:
-    recording = Recording.load(path)
-    try:
-        return recording.environment()
-    except InvalidInputError as error:  # names the world: the file is read
-        raise InvalidInputError(f"{path}: {error}") from error
 
 
 def _with_digest(content: bytes, rng: np.random.Generator) -> bytes:
@@ -206,6 +91,22 @@ _DXF_WORDS: Final = (
     *_words("BLOCK ENDBLK LAYER TABLE ENDTAB A-WALL OUTLINE door starts b c AC1009 AC1032 3DFACE"),
 )
 
+_SPEC_WORDS: Final = (
+    *_words('"from" "catalog" "suite" "file" "wkt" "name" "parameters" "seed" "size_m" "path"'),
+    *_words('"open" "maze" "clutter" "office" "indoor-30/07" "version" "starts" "start"'),
+    *_words('"strategy" "srt-ball" "minpos" "gain" "informed" "mine.py:Mine" "options" "home"'),
+    *_words('"worth" "relays" "pursue" "robots" "footprint" "disc:0" "disc:9" "box:1e9x1" "poly:"'),
+    *_words('"drive" "kind" "dubins" "holonomic" "range_finder" "range_m" "beams" "radio" "walls"'),
+    *_words('"weaken" "loss" "base" "faults" "fault" "death" "late_start" "time_s" "when" "stop"'),
+    *_words('"max_time_s" "max_idle_s" "clustered" "suggested" [0,0] [1,1,0] [[1,1]] {} nan inf'),
+    *(b'"POLYGON EMPTY"', b'"POLYGON ((0 0, 9 0, 9 9, 0 0))"', b'"polygon:0,0 1,0 0,1"'),
+)
+
+_STORE_WORDS: Final = _words(
+    '"experiment" "folder" "provenance" "asked" "seed" "program" "complete" "crashed" "closest" '
+    '"coverage" "makespan_s" "metrics" "covered" "delivered" "invariant" "says" null [] {} -1 1e308'
+)
+
 _SCALES: Final = (None, 0.1, 0.01)
 
 TARGETS: Final = {
@@ -222,6 +123,7 @@ TARGETS: Final = {
         ),
         Target(
             name="geojson",
+            mutate=of_json,
             options=_choices(repair=(None, True)),
             words=(
                 *_words('"type" "Feature" "FeatureCollection" "GeometryCollection" "Polygon"'),
@@ -232,10 +134,12 @@ TARGETS: Final = {
         ),
         Target(
             name="house_expo",
+            mutate=of_json,
             words=_words('"verts" "id" "bbox" "room_category" null true {} [] [0,0] [9,0] "\\n"'),
         ),
         Target(
             name="map_server",
+            mutate=of_yaml,
             words=(
                 *_words("image: resolution: origin: negate: occupied_thresh: free_thresh: mode:"),
                 *_words("trinary scale raw true no ~ 0x1f 1:30 5e-2 .nan .inf &a *a <<: !!binary"),
@@ -281,7 +185,7 @@ TARGETS: Final = {
             name="team",
             options=_choices(resolution_m=(1.0,)),
             words=_words("BaseStation Relay Explorer 0 1 99999999 1e5 A"),
-            read=_of_team,
+            read=of_team,
         ),
         Target(
             name="svg",
@@ -310,8 +214,60 @@ TARGETS: Final = {
         Target(
             name="recording",
             words=_words('null true [] {} "event" "header" "footer" "robots" "free" 0 -1 [[]]'),
-            read=_of_recording,
+            mutate=of_json_lines,
+            read=of_recording,
             finish=_with_digest,
+        ),
+        Target(
+            name="run_spec",
+            mutate=of_toml,
+            words=_SPEC_WORDS,
+            read=of_run_spec,
+            flaw=flaw_of_spec,
+        ),
+        Target(
+            name="experiment",
+            mutate=of_toml,
+            words=(
+                *_SPEC_WORDS,
+                *_words('"name" "label" "repetition" "0-9" "3-1" "1,2" "repetitions" "drawn"'),
+                *_words('"strategies" "environments" "blocks" "exclude" "members" "places" "none"'),
+                *_words('"informed" "failed" "all" "limits" "memory_mb" "horizon_s" "between_s"'),
+            ),
+            read=of_experiment,
+            flaw=flaw_of_spec,
+        ),
+        Target(
+            name="experiment_store",
+            mutate=of_sqlite,
+            words=_STORE_WORDS,
+            read=of_experiment_store,
+            flaw=flaw_of_shown,
+            made=from_sql,
+        ),
+        Target(
+            name="campaign_store",
+            mutate=of_sqlite,
+            words=_STORE_WORDS,
+            read=of_campaign_store,
+            flaw=flaw_of_shown,
+            made=from_sql,
+        ),
+        Target(
+            name="failure",
+            mutate=of_toml,
+            words=_words('"says" "invariant" "seed" "number" "robot" "no-collision" -1 nan'),
+            read=of_failure,
+            flaw=lambda failure: flaw_of_shown(str(failure.violation)),
+        ),
+        Target(
+            name="strategy",
+            options=_choices(radio=(None, True)),
+            mutate=of_json,
+            words=NAMES,
+            read=run_script,
+            flaw=flaw_of_run,
+            must_name=REFUSALS,
         ),
     )
 }

@@ -92,27 +92,48 @@ def read_wkt(
     return build_environment(path, free, name=name, origin=path.name, cleaning=cleaning + overlaps)
 
 
-def _parsed(path: Path, *, repair: bool) -> tuple[BaseGeometry, Cleaning]:
-    text = _without_srid(path, read_text(path, max_bytes=MAX_POLYGON_BYTES))
-    signs = np.frombuffer(text.encode(), np.uint8)
+def geometry_of(text: str, where: object, *, repair: bool = False) -> BaseGeometry:
+    """Return the geometry of well-known text, whose coordinates may be anything.
+
+    Parameters
+    ----------
+    text : str
+        The text.
+    where : object
+        Where it stands, for messages.
+    repair : bool, optional
+        Whether rings that are open are closed instead of refused.
+
+    Raises
+    ------
+    MapFormatError
+        If it is no geometry.
+    """
+    signs = np.frombuffer(text.encode(errors="replace"), np.uint8)
     depth = np.cumsum((signs == ord("(")).astype(np.int8) - (signs == ord(")")), dtype=np.int32)
     if depth.max(initial=0) > MAX_DEPTH:
         raise MapFormatError(
-            f"{path}: parentheses are nested more than {MAX_DEPTH} deep; flatten the collection"
+            f"{where}: parentheses are nested more than {MAX_DEPTH} deep; flatten the collection"
         )
     try:
-        # Coordinates that are not finite are refused later, with their position.
         with np.errstate(invalid="ignore", over="ignore"):
-            geometry = shapely.from_wkt(text, on_invalid="fix" if repair else "raise")
-            flat = without_denormals(shapely.force_2d(geometry))
+            return shapely.from_wkt(text, on_invalid="fix" if repair else "raise")
     except (shapely.errors.ShapelyError, ValueError) as error:
         left = int(depth[-1]) if depth.size else 0
         if left > 0 and any(reason in str(error) for reason in ("end of stream", OPEN_RING)):
             raise MapFormatError(
-                f"{path} is cut off: it ends within {left} open "
+                f"{where} is cut off: it ends within {left} open "
                 f"parenthes{'i' if left == 1 else 'e'}s; copy or save the map again"
             ) from error
-        raise MapFormatError(f"{path} is not well-known text: {_reason(error)}") from error
+        raise MapFormatError(f"{where} is not well-known text: {_reason(error)}") from error
+
+
+def _parsed(path: Path, *, repair: bool) -> tuple[BaseGeometry, Cleaning]:
+    text = _without_srid(path, read_text(path, max_bytes=MAX_POLYGON_BYTES))
+    geometry = geometry_of(text, path, repair=repair)
+    # Coordinates that are not finite are refused later, with their position.
+    with np.errstate(invalid="ignore", over="ignore"):
+        flat = without_denormals(shapely.force_2d(geometry))
     return flat, Cleaning(closed_rings=_open_rings(text) if repair else 0)
 
 

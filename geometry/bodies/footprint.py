@@ -24,7 +24,7 @@ from multisrt.geometry.bodies.outlines import (
     sweep_convex,
 )
 from multisrt.geometry.configuration import Configuration
-from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.errors import InvalidInputError, shown
 from multisrt.geometry.numerics.arrays import FloatArray
 
 DISC_SIDES: Final = 128
@@ -369,11 +369,11 @@ def _parsed(text: str) -> Footprint:
         "polygon": lambda words: Footprint.polygon([_pair(word, ",") for word in words.split()]),
     }
     if not colon or form.strip() not in readers:
-        raise InvalidInputError(f"footprint {text!r} is not known; {FORMS}")
+        raise InvalidInputError(f"footprint {shown(text)} is not known; {FORMS}")
     try:
         return readers[form.strip()](numbers)
     except InvalidInputError as problem:
-        raise InvalidInputError(f"footprint {text!r}: {problem}") from None
+        raise InvalidInputError(f"footprint {shown(text)}: {problem}") from None
     except ValueError:
         raise InvalidInputError(f"footprint {text!r} cannot be read; {FORMS}") from None
 

@@ -8,9 +8,11 @@ from typing import Final
 import msgspec
 
 from multisrt.campaign.violations import Violation
-from multisrt.geometry.errors import InvalidInputError
+from multisrt.experiments.store_file import sane
+from multisrt.geometry.errors import InvalidInputError, reason_of
 from multisrt.recording import atomic_write
 from multisrt.spec import RunSpec
+from multisrt.validation_errors import UNREADABLE
 
 FAILURE_NAME: Final = "failure.toml"
 SPEC_NAME: Final = "spec.toml"
@@ -124,9 +126,9 @@ def read_failure(folder: Path) -> tuple[Failure, RunSpec]:
             f"({error})"
         ) from None
     try:
-        failure = msgspec.toml.decode(text, type=Failure)
-    except msgspec.MsgspecError as error:
-        raise InvalidInputError(f"{folder / FAILURE_NAME}: {error}") from None
+        failure = msgspec.convert(sane(msgspec.toml.decode(text)), Failure)
+    except UNREADABLE as error:
+        raise InvalidInputError(f"{folder / FAILURE_NAME}: {reason_of(error)}") from None
     try:
         return failure, RunSpec.from_toml(spec)
     except InvalidInputError as error:

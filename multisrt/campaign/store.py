@@ -24,8 +24,10 @@ from multisrt.experiments.store_file import (
     errors_of,
     open_to_read,
     open_to_write,
+    sane,
 )
-from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.errors import InvalidInputError, reason_of
+from multisrt.validation_errors import UNREADABLE
 
 NOT_DRAWN: Final = "(not drawn)"
 """The strategy of a mission whose drawing failed."""
@@ -156,13 +158,14 @@ class CampaignStore(StoreFile):
         self, path: Path, connection: sqlite3.Connection, lock: WriteLock | None = None
     ) -> None:
         super().__init__(path, connection, lock)
-        with errors_of(path):
-            meta = dict(connection.execute("SELECT name, value FROM meta"))
+        meta = self._meta()
         try:
             self.seed = int(meta["seed"])
-            self._program = str(meta["program"])
+            self._program = meta["program"]
         except (KeyError, ValueError) as error:
-            raise InvalidInputError(f"{path}: a damaged file of missions: {error}") from None
+            raise self.damaged(reason_of(error)) from None
+        if self.seed < 0:
+            raise self.damaged(f"the seed of a campaign is 0 or positive, not {self.seed}")
 
     @classmethod
     def open(cls, path: str | Path) -> CampaignStore:
@@ -291,9 +294,12 @@ class CampaignStore(StoreFile):
         try:
             for name in ("violations", "folders"):
                 values[name] = msgspec.json.decode(str(values[name]))
-            return msgspec.convert(values, Row, strict=False)
-        except msgspec.MsgspecError as error:
-            raise InvalidInputError(f"{self.path}: a damaged mission: {error}") from None
+            row = msgspec.convert(sane(values), Row, strict=False)
+        except (*UNREADABLE, TypeError) as error:
+            raise self.damaged(f"a mission: {reason_of(error)}") from None
+        if len(row.violations) != len(row.folders):
+            raise self.damaged(f"mission {row.number} has not one folder for each violation")
+        return row
 
 
 def _program() -> str:

@@ -166,8 +166,7 @@ class Driver:
         self._on_call_s = on_call_s
         self._mailbox: list[Message] = []
         self._motion: tuple[Move, float] | None = None
-        # How many actions the explorer has yielded at the present moment.
-        self._acted_s, self._actions = self.time_s, 0
+        self._pace = protocol.Pace(me.robot)
         self._loop = self._run()
 
     @property
@@ -224,10 +223,7 @@ class Driver:
                     protocol.refuse_action(action, number)
 
     def _next(self, actions: Steps, outcome: Outcome) -> Action:
-        if self._acted_s < self.time_s:
-            self._acted_s, self._actions = self.time_s, 0
-        self._actions += 1
-        protocol.require_progress(self._actions, self.me.robot, self.time_s)
+        self._pace.count(self.time_s)
         return protocol.next_action(self.explorer, actions, outcome, self.me.robot)
 
     def _sense(self) -> Scan:

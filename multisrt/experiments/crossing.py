@@ -38,7 +38,7 @@ from multisrt.experiments.spec import (
     StrategyChoice,
     TeamChoice,
 )
-from multisrt.geometry.errors import InvalidInputError, did_you_mean
+from multisrt.geometry.errors import MAX_REASON, InvalidInputError, did_you_mean, shortened, shown
 from multisrt.spec import FileEnvironment, RobotSpec, RunSpec
 
 MAX_RUNS = 1_000_000
@@ -188,13 +188,14 @@ def runs(
                 key = key_of(run)
             except InvalidInputError as error:
                 if impossible is None:
-                    raise InvalidInputError(f"{spec.name}: [{condition}]: {error}") from None
+                    raise InvalidInputError(f"{spec.name}: {_cited(condition)}: {error}") from None
                 impossible[condition] = str(error)
                 continue
             if key in planned:
+                other = planned[key].condition
                 raise InvalidInputError(
-                    f"{spec.name}: repetition {repetition} of [{condition}] and repetition "
-                    f"{planned[key].repetition} of [{planned[key].condition}] are the same run; "
+                    f"{spec.name}: repetition {repetition} of {_cited(condition)} and repetition "
+                    f"{planned[key].repetition} of {_cited(other)} are the same run; "
                     "leave one of them out"
                 )
             planned[key] = PlannedRun(key=key, condition=condition, repetition=repetition, spec=run)
@@ -247,7 +248,7 @@ def _conditions(spec: ExperimentSpec) -> list[tuple[Condition, Choices]]:
             continue
         if _unlabelled(crossed.setdefault(condition, choices)) != _unlabelled(choices):
             raise InvalidInputError(
-                f"{spec.name}: two different conditions are both called [{condition}]; give "
+                f"{spec.name}: two different conditions are both called {_cited(condition)}; give "
                 "them labels of their own ('label')"
             )
     if not crossed:
@@ -340,7 +341,7 @@ def _seeds(choice: EnvironmentChoice) -> Sequence[int]:
     if span is None or int(span[1]) > int(span[2]):
         raise InvalidInputError(
             f'environment {choice.name!r}: seeds are numbers, or a range like "0-9", not '
-            f"{choice.seeds!r}"
+            f"{shown(choice.seeds)}"
         )
     first, last = int(span[1]), int(span[2])
     if last - first >= MAX_RUNS:
@@ -392,6 +393,10 @@ def _matches(condition: Condition, only: Only) -> bool:
     return True
 
 
+def _cited(condition: Condition) -> str:
+    return f"[{shortened(str(condition), MAX_REASON)}]"
+
+
 def _check_exclusions(spec: ExperimentSpec, everything: list[Condition]) -> None:
     """Raise InvalidInputError for an exclusion that no condition matches: it is a mistake."""
     for number, only in enumerate(spec.exclude, start=1):
@@ -403,7 +408,7 @@ def _check_exclusions(spec: ExperimentSpec, everything: list[Condition]) -> None
             hint = _unknown_label(only, everything)
             raise InvalidInputError(
                 f"{spec.name}: exclusion {number} matches no condition{hint}; labels are those of "
-                f"tables, as in [{everything[0]}]"
+                f"tables, as in {_cited(everything[0])}"
             )
 
 
@@ -418,5 +423,5 @@ def _unknown_label(only: Only, everything: list[Condition]) -> str:
                 known[condition.team] = None
         for label in given if isinstance(given, tuple) else (given,):
             if label not in known:
-                return f": there is no {name} {label!r}{did_you_mean(label, known)}"
+                return f": there is no {name} {shown(label)}{did_you_mean(label, known)}"
     return ""

@@ -49,6 +49,7 @@ from multisrt.spec import (
     Silence,
     SuiteEnvironment,
 )
+from multisrt.validation_errors import explained
 
 MAX_WORLDS_KEPT = 512
 """Environments that are kept built while an experiment's runs are planned."""
@@ -173,7 +174,7 @@ def is_file(choice: EnvironmentChoice, folder: Path | None = None) -> bool:
     separators = (os.sep, *(() if os.altsep is None else (os.altsep,)))
     if Path(name).suffix or any(separator in name for separator in separators):
         return True
-    return folder is not None and (folder / name).exists()
+    return folder is not None and os.path.exists(folder / name)  # False of names too long
 
 
 def starts_label(choice: StartsChoice) -> str:
@@ -244,7 +245,11 @@ def _require_only_text(choice: EnvironmentChoice) -> None:
 
 @lru_cache(maxsize=MAX_WORLDS_KEPT)
 def _world(environment: bytes) -> Environment:
-    described: EnvironmentSpec = msgspec.json.decode(environment, type=EnvironmentSpec)
+    try:
+        described: EnvironmentSpec = msgspec.json.decode(environment, type=EnvironmentSpec)
+    except msgspec.ValidationError as error:  # JSON has no infinite numbers
+        place = explained(error, EnvironmentSpec).partition(":")[0]
+        raise InvalidInputError(f"{place} of the environment is no finite number") from None
     return build_environment(described)
 
 

@@ -25,7 +25,7 @@ from multisrt.spec import (
     Scalar,
     StopRule,
 )
-from multisrt.validation_errors import explained
+from multisrt.validation_errors import UNREADABLE, explained
 
 MAX_FILE_LENGTH = 16_000_000
 """Maximum length of an experiment file, in characters."""
@@ -35,7 +35,10 @@ FOOTPRINT = RobotSpec().footprint
 
 Count = Annotated[int, Meta(ge=1, le=1_000_000)]
 Seed = Annotated[int, Meta(ge=0)]
-Label = Annotated[str, Meta(min_length=1, max_length=80)]
+PRINTABLE = r"^[^\x00-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069]*$"
+"""Text without characters that end a line or that a terminal obeys."""
+
+Label = Annotated[str, Meta(min_length=1, max_length=80, pattern=PRINTABLE)]
 NameOrPath = Annotated[str, Meta(min_length=1, max_length=4096)]
 
 
@@ -507,5 +510,5 @@ def _decoded(decode: Callable[[], ExperimentSpec], length: int) -> ExperimentSpe
         raise InvalidInputError(f"not an experiment: {length} characters, where {most} are allowed")
     try:
         return decode()
-    except (msgspec.MsgspecError, RecursionError, UnicodeDecodeError) as error:
+    except UNREADABLE as error:
         raise InvalidInputError(f"not an experiment: {explained(error, ExperimentSpec)}") from None

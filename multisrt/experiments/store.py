@@ -44,7 +44,7 @@ from multisrt.experiments.store_growth import (
 from multisrt.experiments.store_plans import PlanTable
 from multisrt.experiments.store_rows import COLUMNS, result_of, row_of
 from multisrt.experiments.user_source import provenance_with
-from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.errors import InvalidInputError, reason_of
 
 UNFINISHED: tuple[Status, ...] = ("over_time", "over_memory", "crashed", "refused", "error")
 """Statuses of runs that failed without a result; see `Store.forget`."""
@@ -84,15 +84,14 @@ class Store(StoreFile):
         super().__init__(path, connection, lock)
         self._planned: Plan | None = None
         self.plans = PlanTable(path, connection)
-        with errors_of(path):
-            meta = dict(connection.execute("SELECT name, value FROM meta"))
+        meta = self._meta()
         try:
             self.experiment = ExperimentSpec.from_json(meta["experiment"])
             self.folder = Path(meta["folder"])
             self.provenance = msgspec.json.decode(meta["provenance"], type=Provenance)
             self.planned = int(meta["asked"])
         except (KeyError, ValueError, msgspec.MsgspecError) as error:
-            raise InvalidInputError(f"{path}: a damaged file of results: {error}") from None
+            raise self.damaged(reason_of(error)) from None
 
     # Opening --------------------------------------------------------------------------------
 
@@ -368,7 +367,12 @@ class Store(StoreFile):
         0
         """
         results = referred(self._read(), self.plans.read())
-        return Results(self.experiment, results, planned=self.planned, provenance=self.provenance)
+        try:
+            return Results(
+                self.experiment, results, planned=self.planned, provenance=self.provenance
+            )
+        except InvalidInputError as error:
+            raise self.damaged(str(error)) from None
 
     def ended(self) -> set[str]:
         """Return the keys of the runs that did not fail without a result."""

@@ -8,10 +8,12 @@ from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
-from typing import Final, Self, TypeVar
+from typing import Any, Final, Self, TypeVar
+
+import msgspec
 
 from multisrt.experiments.lock import WriteLock
-from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.errors import InvalidInputError, escaped, reason_of, shown
 
 APPLICATION = 0x4D535254
 """Application id in the header of the file: "MSRT"."""
@@ -53,6 +55,21 @@ CREATE TABLE runs (
 );
 """
 
+MAX_NUMBER = 1e15
+"""Upper bound of numbers that are read, far above any time, area or count of a run."""
+
+OR_ANOTHER = "take a copy of it from before, or begin another one"
+"""What to do about a damaged file."""
+
+PLANS: Final = """
+CREATE TABLE IF NOT EXISTS plans (
+    run TEXT PRIMARY KEY,
+    reference TEXT,
+    reason TEXT NOT NULL
+) WITHOUT ROWID
+"""
+"""SQL of the table of plans, which a file of results gets with the first of them."""
+
 
 def connect(path: Path, mode: str) -> sqlite3.Connection:
     """Connect to a file, for reading (mode "ro") or writing ("rw", "rwc").
@@ -74,6 +91,8 @@ class FileKind:
         Version of the tables, stored as the `user_version` of the file.
     tables : str
         SQL statements that create them; one is `meta`, of names and values.
+    later : str
+        SQL statement of a table that there may be besides.
     contents : str
         What is in them, in a word.
     belongs_to : str
@@ -85,6 +104,7 @@ class FileKind:
     tables: str
     contents: str
     belongs_to: str
+    later: str = ""
 
     def begin(
         self, path: Path, connection: sqlite3.Connection, meta: Sequence[tuple[str, str]]
@@ -113,7 +133,7 @@ class FileKind:
         if is_new:
             with connection as transaction:
                 transaction.execute("BEGIN IMMEDIATE")
-                for statement in self.tables.split(";")[:-1]:
+                for statement in self._statements:
                     transaction.execute(statement)
                 transaction.execute(f"PRAGMA application_id = {self.application}")
                 transaction.execute(f"PRAGMA user_version = {self.version}")
@@ -133,6 +153,22 @@ class FileKind:
                 f"this one reads format {self.version}: use the version that made them, or another "
                 "file"
             )
+        self._require_tables(path, connection)
+
+    @property
+    def _statements(self) -> list[str]:
+        return self.tables.split(";")[:-1]
+
+    def _require_tables(self, path: Path, connection: sqlite3.Connection) -> None:
+        # Views and triggers are code of who made the file: some of them never end.
+        rows = connection.execute("SELECT sql FROM sqlite_master WHERE sql IS NOT NULL")
+        found = {_words(str(sql)) for (sql,) in rows}
+        needed = set(map(_words, self._statements))
+        if not needed <= found <= needed | {_words(self.later)}:
+            raise InvalidInputError(
+                f"{path}: a damaged file of {self.contents}: its tables are not those that "
+                f"multisrt makes; {OR_ANOTHER}"
+            )
 
 
 RESULTS: Final = FileKind(
@@ -141,6 +177,7 @@ RESULTS: Final = FileKind(
     tables=_TABLES,
     contents="results",
     belongs_to="results",
+    later=PLANS,
 )
 """Files of the results of an experiment."""
 
@@ -166,6 +203,18 @@ class StoreFile:
         self.path = path
         self._connection = connection
         self._lock = lock
+
+    def damaged(self, what: str) -> InvalidInputError:
+        """Return the error of a file that holds what this program does not write."""
+        return InvalidInputError(f"{self.path}: damaged: {escaped(what)}; {OR_ANOTHER}")
+
+    def _meta(self) -> dict[str, str]:
+        """Return the values of the table `meta` by their names."""
+        with errors_of(self.path):
+            rows = self._connection.execute("SELECT name, value FROM meta").fetchall()
+        if not all(isinstance(text, str) for row in rows for text in row):
+            raise self.damaged("a value of its table meta is no text")
+        return dict(rows)
 
     def close(self) -> None:
         """Close the file and release the lock; what was added stays."""
@@ -283,6 +332,10 @@ def fold_in_left(path: Path) -> None:
             fold_in(connection)
 
 
+def _words(sql: str) -> tuple[str, ...]:
+    return tuple(sql.replace("IF NOT EXISTS", "").split())
+
+
 def _is_new(connection: sqlite3.Connection) -> bool:
     (tables,) = connection.execute("SELECT count(*) FROM sqlite_master").fetchone()
     return not tables and _pragma(connection, "application_id") == 0
@@ -320,10 +373,46 @@ def labels_in(path: Path) -> list[str]:
     quiet = "" if path.with_name(path.name + LOG[0]).exists() else "&immutable=1"
     try:
         with closing(sqlite3.connect(_uri(path, f"ro{quiet}"), uri=True, timeout=0.0)) as found:
+            RESULTS.require(path, found)
             ordered = "SELECT strategy FROM runs GROUP BY strategy ORDER BY min(position)"
             return [str(label) for (label,) in found.execute(ordered)]
-    except (OSError, sqlite3.Error):
+    except (OSError, sqlite3.Error, UnicodeDecodeError, InvalidInputError):
         return []
+
+
+def sane(plain: Any) -> Any:
+    r"""Return plain data of a file with printable text and finite numbers.
+
+    Parameters
+    ----------
+    plain : object
+        Text, numbers, and lists and dictionaries of them.
+
+    Returns
+    -------
+    object
+        The same, with characters that a terminal would obey as escapes.
+
+    Raises
+    ------
+    msgspec.ValidationError
+        If a number is not finite, or larger than `MAX_NUMBER`.
+
+    Examples
+    --------
+    >>> sane({"reason": "a\tb", "times_s": [1.0, None]})
+    {'reason': 'a\\tb', 'times_s': [1.0, None]}
+    """
+    match plain:
+        case str():
+            return escaped(plain)
+        case int() | float() if not abs(plain) <= MAX_NUMBER:
+            raise msgspec.ValidationError(f"a number of {shown(plain)}")
+        case list() | tuple():
+            return [sane(part) for part in plain]
+        case dict():
+            return {sane(key): sane(part) for key, part in plain.items()}
+    return plain
 
 
 @contextmanager
@@ -331,8 +420,12 @@ def errors_of(path: Path) -> Iterator[None]:
     """Turn errors of SQLite inside into InvalidInputError, with the remedy."""
     try:
         yield
+    except UnicodeDecodeError as error:  # of the names of tables, and of text
+        raise InvalidInputError(
+            f"{path}: a damaged file of results ({reason_of(error)}); {OR_ANOTHER}"
+        ) from None
     except sqlite3.Error as error:
-        message = str(error)
+        message = reason_of(error)  # it may cite the file
         name = getattr(error, "sqlite_errorname", "")
         if name == "SQLITE_FULL":
             raise InvalidInputError(
@@ -347,7 +440,6 @@ def errors_of(path: Path) -> Iterator[None]:
             ) from None
         if name in ("SQLITE_CORRUPT", "SQLITE_NOTADB"):
             raise InvalidInputError(
-                f"{path}: a damaged file of results ({message}); take a copy of it from before, or "
-                "begin another one"
+                f"{path}: a damaged file of results ({message}); {OR_ANOTHER}"
             ) from None
         raise InvalidInputError(f"{path}: {message}") from None

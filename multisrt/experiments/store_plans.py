@@ -8,17 +8,10 @@ from pathlib import Path
 
 import msgspec
 
-from multisrt.experiments.store_file import errors_of
-from multisrt.geometry.errors import InvalidInputError
+from multisrt.experiments.store_file import OR_ANOTHER, PLANS, errors_of, sane
+from multisrt.geometry.errors import InvalidInputError, reason_of, shown
 from multisrt.informed.reference import Reference
-
-_TABLE = """
-CREATE TABLE IF NOT EXISTS plans (
-    run TEXT PRIMARY KEY,
-    reference TEXT,
-    reason TEXT NOT NULL
-) WITHOUT ROWID
-"""
+from multisrt.validation_errors import UNREADABLE
 
 
 class PlanTable:
@@ -53,16 +46,24 @@ class PlanTable:
             there = self._connection.execute(
                 "SELECT 1 FROM sqlite_master WHERE name = 'plans'"
             ).fetchone()
-            rows = self._connection.execute("SELECT * FROM plans").fetchall() if there else []
+            rows = (
+                self._connection.execute("SELECT run, reference, reason FROM plans").fetchall()
+                if there
+                else []
+            )
         found: dict[str, Reference | str] = {}
         for run, reference, reason in rows:
             try:
-                found[run] = (
-                    reason if reference is None else msgspec.json.decode(reference, type=Reference)
+                plan = None if reference is None else sane(msgspec.json.decode(reference))
+                found[msgspec.convert(run, str)] = (
+                    sane(msgspec.convert(reason, str))
+                    if plan is None
+                    else msgspec.convert(plan, Reference)
                 )
-            except msgspec.MsgspecError as error:
+            except (*UNREADABLE, TypeError) as error:
                 raise InvalidInputError(
-                    f"{self._path}: the plan of run {run} is damaged: {error}"
+                    f"{self._path}: the plan of run {shown(run)} is damaged: {reason_of(error)}; "
+                    f"{OR_ANOTHER}"
                 ) from None
         return found
 
@@ -100,7 +101,7 @@ class PlanTable:
         """
         row = (None, found) if isinstance(found, str) else (msgspec.json.encode(found).decode(), "")
         with errors_of(self._path), self._connection as transaction:
-            transaction.execute(_TABLE)
+            transaction.execute(PLANS)
             transaction.executemany(
                 "INSERT OR REPLACE INTO plans (run, reference, reason) VALUES (?, ?, ?)",
                 [(run, *row) for run in runs],
@@ -109,7 +110,7 @@ class PlanTable:
     def forget(self) -> None:
         """Delete the plans that failed, and those of runs that are gone."""
         with errors_of(self._path), self._connection as transaction:
-            transaction.execute(_TABLE)
+            transaction.execute(PLANS)
             transaction.execute(
                 "DELETE FROM plans WHERE reference IS NULL OR run NOT IN (SELECT key FROM runs)"
             )

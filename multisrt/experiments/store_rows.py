@@ -7,10 +7,11 @@ from typing import Any
 
 import msgspec
 
-from multisrt.analysis.metrics import Metrics
 from multisrt.experiments.crossing import Condition
 from multisrt.experiments.results import Result
-from multisrt.geometry.errors import InvalidInputError
+from multisrt.experiments.store_file import OR_ANOTHER, sane
+from multisrt.geometry.errors import InvalidInputError, reason_of, shown
+from multisrt.validation_errors import UNREADABLE
 
 _LABELS = Condition.__struct_fields__
 _FIELDS = tuple(
@@ -80,24 +81,27 @@ def result_of(path: Path, row: tuple[Any, ...], success_coverage: float) -> Resu
         If the row is damaged.
     """
     given = dict(zip(COLUMNS, row, strict=True))
-    del given["position"]
-    condition = Condition(**{label: given.pop(label) for label in _LABELS})
+    key = given["key"]
     try:
-        metrics, curve = given.pop("metrics"), given.pop("covered_at_s")
-        curves = msgspec.json.decode(curve, type=tuple[float | None, ...] | _Curves)
+        for name in ("metrics", "covered_at_s"):
+            if given[name] is not None:
+                given[name] = msgspec.json.decode(given[name])
+        given = sane(given)
+        curves: Any = msgspec.convert(given["covered_at_s"], tuple[float | None, ...] | _Curves)
         if not isinstance(curves, _Curves):
             curves = _Curves(covered=curves)
-        chance = bool(given.pop("chance"))
-        return Result(
-            condition=condition,
-            metrics=None if metrics is None else msgspec.json.decode(metrics, type=Metrics),
-            covered_at_s=curves.covered,
-            delivered_at_s=curves.delivered,
-            chance=chance,
-            success_coverage=success_coverage,
-            **given,
-        )
-    except msgspec.MsgspecError as error:
+        given |= {
+            "condition": {label: given.pop(label) for label in _LABELS},
+            "chance": _CHANCE[given["chance"]],
+            "covered_at_s": curves.covered,
+            "delivered_at_s": curves.delivered,
+            "success_coverage": success_coverage,
+        }
+        return msgspec.convert(given, Result)
+    except (*UNREADABLE, TypeError, KeyError) as error:
         raise InvalidInputError(
-            f"{path}: the result of run {given['key']} is damaged: {error}"
+            f"{path}: the result of run {shown(key)} is damaged: {reason_of(error)}; {OR_ANOTHER}"
         ) from None
+
+
+_CHANCE = {0: False, 1: True}

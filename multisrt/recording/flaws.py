@@ -67,7 +67,7 @@ def flaw_of(event: AnyEvent, spec: RunSpec, nodes: Container[NodeName]) -> str:
         if name not in nodes:
             return f"node {name[1]} of robot {name[0]} is nowhere in the recording"
     if isinstance(event, Motion):
-        return _motion_flaw(event)
+        return waypoints_flaw(event.waypoints)
     if isinstance(event, Sensed):
         return _too_far(*event.configuration[:2])
     if isinstance(event, NodeAdded):
@@ -114,15 +114,22 @@ def _segments(event: AnyEvent) -> Iterable[Segment]:
     return ()
 
 
-def _motion_flaw(motion: Motion) -> str:
-    legs = list(itertools.pairwise(motion.waypoints))
-    if not motion.waypoints:
+def waypoints_flaw(waypoints: Sequence[tuple[float, float, float, float]]) -> str:
+    """Return what is wrong with the waypoints of a motion; empty if nothing is.
+
+    Parameters
+    ----------
+    waypoints : sequence of (time_s, x, y, heading)
+        Seconds, metres and radians.
+    """
+    legs = list(itertools.pairwise(waypoints))
+    if not waypoints:
         return "a motion has at least one waypoint"
     if any(b[0] < a[0] for a, b in legs):
         return "the times of a motion's waypoints never fall"
     if any(abs(b[3] - a[3]) > MAX_TURN_RAD for a, b in legs):
         return f"a leg of a motion turns by more than {MAX_TURN_RAD:.4g} rad"
-    for _, x, y, _ in motion.waypoints:
+    for _, x, y, _ in waypoints:
         if flaw := _too_far(x, y):
             return flaw
     return ""

@@ -196,8 +196,15 @@ class Study:
         return self._by_condition.get(in_setting(setting, strategy), [])
 
     def distinct(self, setting: Condition, strategy: str) -> list[Result]:
-        """Return the distinct runs of a strategy in a setting: those that were made."""
-        return [result for result in self.of(setting, strategy) if result.same_as is None]
+        """Return the distinct runs of a strategy in a setting: those that were made.
+
+        For one that was made and is not here, the first of its copies stands.
+        """
+        found: dict[int, Result] = {}
+        for result in sorted(self.of(setting, strategy), key=lambda one: one.same_as is not None):
+            made = result.repetition if result.same_as is None else result.same_as
+            found.setdefault(made, result)
+        return list(found.values())
 
     def is_constant(self, setting: Condition, strategy: str) -> bool:
         """Return whether a strategy has one run in a setting that is the same for every seed."""

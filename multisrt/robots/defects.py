@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import re
 from typing import NamedTuple, NoReturn
 
-from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.errors import InvalidInputError, escaped
+
+_ADDRESS = re.compile(r" (object )?at 0x[0-9a-fA-F]+")
 
 
 class Flaw(NamedTuple):
@@ -54,6 +57,26 @@ class ExplorerDefect(InvalidInputError, AssertionError):
     def __str__(self) -> str:
         return f"{self.where}: {self.what}; {self.remedy}"
 
+    def in_run(self, strategy: str, time_s: float) -> ExplorerDefect:
+        """Return the same defect with its strategy and its time (s), unless its place tells more.
+
+        Examples
+        --------
+        >>> defect = ExplorerDefect("it yielded None", "the explorer of robot 0", "yield Sense()")
+        >>> print(defect.in_run("mine", 12.5))
+        the explorer of robot 0 ('mine') at 12.5 s: it yielded None; yield Sense()
+        """
+        if not self.is_refusal:
+            return self
+        return ExplorerDefect(
+            self.what, f"{self.where} ({strategy!r}) at {time_s:g} s", self.remedy
+        )
+
+    @property
+    def is_refusal(self) -> bool:
+        """Whether it is told without a place in a run."""
+        return re.fullmatch(r"(building )?the explorer of robot \d+", self.where) is not None
+
 
 def refuse(robot: int, what: str, remedy: str) -> NoReturn:
     """Raise the error of an explorer that does what it may not.
@@ -76,9 +99,23 @@ def refuse(robot: int, what: str, remedy: str) -> NoReturn:
 
 
 def brief(value: object, length: int = 80) -> str:
-    """Return the representation of a value, cut to a length."""
-    text = repr(value)
+    """Return the representation of a value on one line, cut to a length.
+
+    Examples
+    --------
+    >>> brief(object()), brief(["a line" * 100], 20)
+    ('<object>', "['a linea linea l...")
+    """
+    try:
+        text = one_line(repr(value))
+    except Exception:  # of the value's own code, or too deep
+        text = f"<{type(value).__name__}>"
     return text if len(text) <= length else f"{text[: length - 3]}..."
+
+
+def one_line(text: str) -> str:
+    """Return a text on one line, without addresses in memory, which differ from run to run."""
+    return escaped(" ".join(_ADDRESS.sub("", text).split()))
 
 
 def article(noun: str) -> str:

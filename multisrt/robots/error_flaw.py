@@ -10,13 +10,16 @@ from typing import Any, get_args
 
 import msgspec
 
-from multisrt.geometry.errors import did_you_mean
+from multisrt.geometry.errors import did_you_mean, shortened
 from multisrt.robots.code_places import package_of, place_of_error, place_suffix
-from multisrt.robots.defects import ExplorerDefect, Flaw
+from multisrt.robots.defects import ExplorerDefect, Flaw, one_line
 from multisrt.robots.explorer import Action, Sense
 
 ACTIONS = {kind.__name__: kind for kind in get_args(Action)}
 """The actions by name."""
+
+MAX_SAID = 400
+"""Upper bound of what is cited of an exception, in characters."""
 
 _ARGUMENTS = re.compile("Extra positional arguments|Unexpected keyword argument|Missing required")
 
@@ -40,20 +43,28 @@ def error_flaw(cls: Any, error: BaseException, usual: str) -> Flaw:
     """
     if isinstance(error, ExplorerDefect):  # what a rule of assignment does
         return Flaw(f"{error.where}: {error.what}", error.remedy)
-    said = f": {error}" if str(error) else ""
+    text = _text(error)
+    said = f": {shortened(one_line(text), MAX_SAID)}" if text else ""
     place = place_of_error(cls, error.__traceback__)
     meant = ""
     if isinstance(error, AttributeError) and error.name and error.obj is not None:
         meant = did_you_mean(error.name, dir(error.obj))
-    remedy = _not_yielded(error) or _not_begun(error) or _arguments(error) or usual
+    remedy = _not_yielded(error, text) or _not_begun(error) or _arguments(error, text) or usual
     if remedy == usual and place:
         remedy = f"correct that line: {usual}"
     return Flaw(f"it raised {type(error).__name__}{said}{meant}{place_suffix(place)}", remedy)
 
 
-def _not_yielded(error: BaseException) -> str:
+def _text(error: BaseException) -> str:
+    try:
+        return str(error)
+    except Exception:  # of the code of what the user raised
+        return ""
+
+
+def _not_yielded(error: BaseException, text: str) -> str:
     # An action that is used as if it were its outcome.
-    found = re.search(r"'(\w+)' object|non-iterable (\w+) object", str(error))
+    found = re.search(r"'(\w+)' object|non-iterable (\w+) object", text)
     name = (found[1] or found[2]) if found is not None else ""
     if name not in ACTIONS or not isinstance(error, AttributeError | TypeError):
         return ""
@@ -84,9 +95,9 @@ def _not_begun(error: BaseException) -> str:
     return ""
 
 
-def _arguments(error: BaseException) -> str:
+def _arguments(error: BaseException, text: str) -> str:
     # How the structures are built that the innermost line names.
-    if not (isinstance(error, TypeError) and _ARGUMENTS.match(str(error))):
+    if not (isinstance(error, TypeError) and _ARGUMENTS.match(text)):
         return ""
     trace: TracebackType | None = error.__traceback__
     while trace is not None and trace.tb_next is not None:

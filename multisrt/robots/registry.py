@@ -12,7 +12,7 @@ from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from typing import TYPE_CHECKING
 
-from multisrt.geometry.errors import InvalidInputError, did_you_mean
+from multisrt.geometry.errors import InvalidInputError, did_you_mean, shown
 from multisrt.robots.strategy import Strategy, as_strategy
 
 if TYPE_CHECKING:
@@ -168,7 +168,7 @@ def strategy(name: str) -> Strategy:
                 f"({broken[name]}); fix or uninstall that package"
             )
         raise InvalidInputError(
-            f"there is no strategy {name!r}{did_you_mean(name, registered)}; "
+            f"there is no strategy {shown(name)}{did_you_mean(name, registered)}; "
             f"there are: {', '.join(registered)}; one of your own is imported by --import FILE.py "
             "on the command line, or registered by multisrt.register"
         )

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import msgspec
 
-from multisrt.geometry.errors import InvalidInputError, did_you_mean
+from multisrt.geometry.errors import InvalidInputError, did_you_mean, shown
 from multisrt.robots.frontier.pursuit_options import require_pursuit
 from multisrt.robots.homing.options import require_home
 from multisrt.robots.strategy_fields import require_fields
@@ -246,7 +246,7 @@ class Strategy:
         for key in options:
             if key not in known:
                 raise InvalidInputError(
-                    f"{self.name} has no option {key!r}{did_you_mean(key, known)}; "
+                    f"{self.name} has no option {shown(key)}{did_you_mean(key, known)}; "
                     f"{self._options_there(list(known))}"
                 )
         values = {key: _none_read(value, known[key].type) for key, value in options.items()}
@@ -257,7 +257,7 @@ class Strategy:
                 wrong = explained(error, known[key].type)
                 meant = did_you_mean(value, allowed_words(known[key].type))
                 raise InvalidInputError(
-                    f"option {key}={value!r} of {self.name}: {wrong}{meant}"
+                    f"option {key}={shown(value)} of {self.name}: {wrong}{meant}"
                 ) from None
         try:
             return msgspec.convert(values, self.options, strict=False)

@@ -14,7 +14,7 @@ import simpy
 
 from multisrt.events import Ended, Organized, Sensed
 from multisrt.geometry.regions.scan import Scan
-from multisrt.robots.code_places import place_of_yield, place_suffix
+from multisrt.robots.code_places import package_of, place_of_yield, place_suffix
 from multisrt.robots.defects import ExplorerDefect, refuse
 from multisrt.robots.explorer import (
     Action,
@@ -52,8 +52,9 @@ Pause = Callable[[int, Outcome, Action], simpy.Event]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Surroundings:
-    """What carries out the actions of all robots of a run."""
+    """What carries out the actions of all robots of a run, and the name of their strategy."""
 
+    strategy: str
     clock: Clock
     journal: Journal
     sensing: Sensing
@@ -96,7 +97,9 @@ class Interpreter:
     ) -> None:
         self._robot = robot
         self._explorer = explorer
+        self._is_ours = package_of(type(explorer)) == "multisrt"
         self._pause = pause
+        self._strategy = surroundings.strategy
         self._clock = surroundings.clock
         self._journal = surroundings.journal
         self._sensing = surroundings.sensing
@@ -105,9 +108,7 @@ class Interpreter:
         self._faults = surroundings.faults
         self._standstill = surroundings.standstill
         self.actions: Steps | None = None
-        # How many actions the explorer has yielded at the present moment.
-        self._acted_s = 0.0
-        self._actions = 0
+        self._pace = protocol.Pace(robot.number)
 
     def process(self, join_s: float | None) -> Process:
         """Run the explorer until it is permanently done, or the robot dies or collides.
@@ -126,6 +127,8 @@ class Interpreter:
             yield from self._interpret()
         except _Terminated:
             pass
+        except ExplorerDefect as defect:
+            raise defect.in_run(self._strategy, self._clock.now_s) from defect.__cause__
 
     def _interpret(self) -> Process:
         robot, number, pause = self._robot, self._robot.number, self._pause
@@ -174,17 +177,14 @@ class Interpreter:
 
     def _next_action(self, actions: Steps, outcome: Outcome) -> Action:
         now_s, number = self._clock.now_s, self._robot.number
-        if self._acted_s < now_s:
-            self._acted_s, self._actions = now_s, 0
         self._journal.note_time(now_s)
-        self._actions += 1
-        protocol.require_progress(self._actions, number, now_s)
+        self._pace.count(now_s)
         return protocol.next_action(self._explorer, actions, outcome, number)
 
     def _note(self, note: Note) -> None:
         number = self._robot.number
         try:
-            event = plain.event(note.event, number, self._clock.now_s)
+            event = plain.event(note.event, number, self._clock.now_s, is_ours=self._is_ours)
         except ExplorerDefect as defect:
             place = place_suffix(place_of_yield(type(self._explorer), self.actions))
             raise ExplorerDefect(f"{defect.what}{place}", defect.where, defect.remedy) from None
@@ -206,6 +206,8 @@ class Interpreter:
     def _finish(self, done: Done) -> None:
         robot = self._robot
         end = plain.ended(done, robot.number, self._clock.now_s)
+        if flaw := self._journal.flaw(end):
+            refuse(robot.number, f"its Done: {flaw}", "give places in metres")
         # A robot that is called on and ends as before is not recorded again.
         if robot.end is None or _statement(robot.end) != _statement(end):
             self._journal.record(end)

@@ -16,9 +16,11 @@ import msgspec
 import numpy as np
 
 from multisrt.events import AnyEvent, Ended, Event, NotedEvent, Purpose
+from multisrt.geometry.errors import reason_of
 from multisrt.geometry.numerics.arrays import builtin
 from multisrt.planners.motion.trajectory import Trajectory, Waypoint
-from multisrt.robots.defects import brief, described, refuse
+from multisrt.recording.flaws import waypoints_flaw
+from multisrt.robots.defects import ExplorerDefect, brief, described, refuse
 from multisrt.robots.explorer import Done, Move, Receive
 from multisrt.robots.messages import Message
 from multisrt.validation_errors import explained
@@ -63,14 +65,22 @@ def size_bytes(message: Any, robot: int) -> int:
             f"it sent {brief(message)}, which is no message",
             "derive a class from multisrt.robots.messages.Message, and send an instance",
         )
+    if not isinstance(message.sender, int | np.integer) or message.sender != robot:
+        _refuse_value(robot, "sender of its message", message.sender, f"give sender={robot}")
+    if not isinstance(message.kind, str) or not _is_writable(message.kind):
+        kind = f"kind of {type(message).__name__}"
+        _refuse_value(robot, kind, message.kind, "set it to a name in the class")
     try:
+        _flag(message.wakes, robot, f"wakes of {type(message).__name__}")
         return message.size_bytes
-    except (TypeError, ValueError, OverflowError, RecursionError) as error:
-        found = next(_unwritable(message, type(message).__name__, arrays=True), None)
+    except ExplorerDefect:
+        raise
+    except Exception as error:  # of the user's own classes, too
+        found = _first_unwritable(message, arrays=True)
         refuse(
             robot,
             "it sent a message that cannot be written: "
-            + (f"{found[0]} is {described(found[1])}" if found else str(error)),
+            + (f"{found[0]} is {described(found[1])}" if found else _reason(error)),
             "messages hold numbers, text, tuples, structures and read-only numpy arrays",
         )
 
@@ -81,8 +91,10 @@ def motion(move: Move, robot: int) -> Move:
     guard_m, purpose = move.guard_m, move.purpose
     if guard_m is not None:
         guard_m = _number(guard_m, robot, "guard_m of its Move")
+        if guard_m <= 0.0:
+            _refuse_value(robot, "guard_m of its Move", guard_m, "give a positive number, or None")
     listen = _flag(move.listen, robot, "listen of its Move")
-    if purpose not in PURPOSES:
+    if not isinstance(purpose, str) or purpose not in PURPOSES:
         allowed = f"give one of {', '.join(map(repr, PURPOSES))}"
         _refuse_value(robot, "purpose of its Move", purpose, allowed)
     if trajectory is move.trajectory and guard_m is move.guard_m and listen is move.listen:
@@ -112,15 +124,15 @@ def ended(done: Done, robot: int, now_s: float) -> Ended:
     ExplorerDefect
         If a field of the action has a value of another type.
     """
-    if not isinstance(done.reason, str):
+    if not isinstance(done.reason, str) or not _is_writable(done.reason):
         _refuse_value(robot, "reason of its Done", done.reason, "say why it ends, as text")
     what = "frontier of its Done"
     remedy = "give a tuple of segments (x0, y0, x1, y1) in metres"
-    if not isinstance(done.frontier, tuple | list | np.ndarray):
+    if not _is_sequence(done.frontier):
         _refuse_value(robot, what, done.frontier, remedy)
     segments = []
     for segment in done.frontier:
-        if not isinstance(segment, tuple | list | np.ndarray) or len(segment) != 4:
+        if not _is_sequence(segment) or len(segment) != 4:
             _refuse_value(robot, f"a segment of the {what}", segment, remedy)
         x0, y0, x1, y1 = (_number(v, robot, f"a coordinate of the {what}") for v in segment)
         segments.append((x0, y0, x1, y1))
@@ -138,7 +150,7 @@ def is_on_call(done: Done, robot: int) -> bool:
     return _flag(done.on_call, robot, "on_call of its Done")
 
 
-def event(noted: Any, robot: int, now_s: float) -> AnyEvent:
+def event(noted: Any, robot: int, now_s: float, *, is_ours: bool = False) -> AnyEvent:
     """Return an event as it can be recorded.
 
     Parameters
@@ -149,12 +161,13 @@ def event(noted: Any, robot: int, now_s: float) -> AnyEvent:
         Its robot.
     now_s : float
         The time in seconds, which is that of the event: runs are measured by when things happened.
+    is_ours : bool
+        Whether code of this package made it, whose values have the declared types.
 
     Returns
     -------
     Event
-        The same event if all that is in it can be written, else that of `as_declared`. So values
-        of a wrong builtin type pass here: `multisrt.testing.check_explorer` finds them.
+        That of `as_declared`; the same event if it is ours and all that is in it can be written.
 
     Raises
     ------
@@ -162,7 +175,7 @@ def event(noted: Any, robot: int, now_s: float) -> AnyEvent:
         If it is not an event that explorers put on record, has another time, or `as_declared`
         raises it.
     """
-    found = _recordable(noted, robot)
+    found = _recordable(noted, robot, is_ours)
     if abs(found.time_s - now_s) > SAME_TIME_S:
         refuse(
             robot,
@@ -173,9 +186,9 @@ def event(noted: Any, robot: int, now_s: float) -> AnyEvent:
     return found
 
 
-def _recordable(noted: Any, robot: int) -> AnyEvent:
+def _recordable(noted: Any, robot: int, is_ours: bool) -> AnyEvent:
     # To write an event costs little; to read it again would cost 2 to 4 percent of a run.
-    if type(noted) in _EVENTS and type(noted.time_s) is float and noted.robot == robot:
+    if is_ours and type(noted) in _EVENTS and type(noted.time_s) is float and noted.robot == robot:
         try:
             if _NOT_FINITE.search(_BUILTIN_ENCODER.encode(noted)) is None:
                 return cast(AnyEvent, noted)
@@ -219,7 +232,8 @@ def as_declared(noted: Event, robot: int) -> AnyEvent:
         )
     except (TypeError, ValueError, OverflowError, RecursionError) as error:
         _refuse_unwritable(noted, robot)
-        refuse(robot, f"its {kind} cannot be recorded: {error}", "give numbers, text and tuples")
+        what = f"its {kind} cannot be recorded: {_reason(error)}"
+        refuse(robot, what, "give numbers, text and tuples")
     if declared.robot != robot:
         refuse(
             robot,
@@ -230,6 +244,15 @@ def as_declared(noted: Event, robot: int) -> AnyEvent:
 
 
 def _trajectory(trajectory: Any, robot: int) -> Trajectory:
+    found = _with_builtins(trajectory, robot)
+    if (begin_s := found.waypoints[0].time_s) != 0.0:
+        refuse(robot, f"its trajectory begins at {begin_s:g} s", "begin every trajectory at 0")
+    if flaw := waypoints_flaw(found.waypoints):
+        refuse(robot, f"its trajectory: {flaw}", "see multisrt.planners.motion.trajectory")
+    return found
+
+
+def _with_builtins(trajectory: Any, robot: int) -> Trajectory:
     remedy = "give a Trajectory of Waypoint(time_s, x, y, heading) with finite numbers"
     if not isinstance(trajectory, Trajectory):
         _refuse_value(robot, "trajectory of its Move", trajectory, remedy)
@@ -243,9 +266,11 @@ def _trajectory(trajectory: Any, robot: int) -> Trajectory:
     ):
         return trajectory
     found = []
+    if not _is_sequence(waypoints):
+        _refuse_value(robot, "waypoints of its trajectory", waypoints, remedy)
     for k, waypoint in enumerate(waypoints):
         field = f"waypoint {k} of its trajectory"
-        if np.shape(waypoint) != (4,):
+        if not _is_sequence(waypoint) or len(waypoint) != 4:
             _refuse_value(robot, field, waypoint, remedy)
         found.append(Waypoint(*(_number(value, robot, field) for value in waypoint)))
     if not found:
@@ -256,7 +281,10 @@ def _trajectory(trajectory: Any, robot: int) -> Trajectory:
 def _number(value: Any, robot: int, field: str, *, or_inf: bool = False) -> float:
     if not (isinstance(value, int | float | np.integer | np.floating) or _is_single(value)):
         _refuse_value(robot, field, value, "give a number: float(x)")
-    number = float(value)
+    try:
+        number = float(value)
+    except OverflowError:
+        _refuse_value(robot, field, value, "give a finite number")
     if not (math.isfinite(number) or (or_inf and number == math.inf)):
         _refuse_value(robot, field, number, "give a finite number" + " or inf" * or_inf)
     return number
@@ -266,6 +294,15 @@ def _flag(value: object, robot: int, field: str) -> bool:
     if not isinstance(value, bool | np.bool_):
         _refuse_value(robot, field, value, "give True or False: bool(x)")
     return bool(value)
+
+
+def _is_sequence(value: Any) -> bool:
+    return isinstance(value, tuple | list) or (isinstance(value, np.ndarray) and value.ndim > 0)
+
+
+def _is_writable(text: str) -> bool:
+    # Halves of surrogate pairs have no form in UTF-8.
+    return text == text.encode(errors="replace").decode()
 
 
 def _is_single(value: object) -> bool:
@@ -278,10 +315,24 @@ def _refuse_value(robot: int, field: str, value: object, remedy: str) -> NoRetur
 
 
 def _refuse_unwritable(noted: Event, robot: int) -> None:
-    for place, value in _unwritable(noted, type(noted).__name__):
+    if (found := _first_unwritable(noted)) is not None:
+        place, value = found
         is_float = isinstance(value, float | np.floating)
         remedy = "give a finite number" if is_float else "give plain numbers: float(x) or int(x)"
         _refuse_value(robot, f"{place} of what it put on record", value, remedy)
+
+
+def _first_unwritable(value: Any, *, arrays: bool = False) -> tuple[str, object] | None:
+    try:
+        return next(_unwritable(value, type(value).__name__, arrays=arrays), None)
+    except RecursionError:
+        return None
+
+
+def _reason(error: Exception) -> str:
+    if isinstance(error, RecursionError):
+        return "something in it holds itself, or is nested too deep"
+    return reason_of(error)
 
 
 def _unwritable(value: Any, place: str, *, arrays: bool = False) -> Iterator[tuple[str, object]]:
@@ -297,7 +348,7 @@ def _unwritable(value: Any, place: str, *, arrays: bool = False) -> Iterator[tup
         case dict():
             for key in value:
                 yield from _unwritable(key, f"a key of {place}", arrays=arrays)
-            parts = ((f"{place}[{key!r}]", part) for key, part in value.items())
+            parts = ((f"{place}[{brief(key)}]", part) for key, part in value.items())
         case np.ndarray() if not arrays:
             parts = iter([(place, value.tolist())])
         case float() | np.floating():

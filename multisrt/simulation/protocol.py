@@ -6,10 +6,13 @@ take its actions here, and refuse here what is no action or comes at the wrong m
 
 from __future__ import annotations
 
+import inspect
+from collections.abc import Callable
 from types import CoroutineType, GeneratorType
 from typing import Any, NoReturn, cast, get_args
 
 from multisrt.events import Event
+from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.regions.scan import ExactScan, LaserScan
 from multisrt.planners.motion.trajectory import Trajectory
 from multisrt.robots.defects import ExplorerDefect, article, brief, described, refuse
@@ -22,6 +25,7 @@ from multisrt.robots.explorer import (
     Moved,
     Outcome,
     Received,
+    RobotSelf,
     Steps,
     Stop,
     TimedOut,
@@ -31,8 +35,103 @@ from multisrt.robots.messages import Message
 MAX_ACTIONS = 100_000
 """Actions of one explorer at one moment; one that yields more never lets time pass."""
 
+MAX_RATE_HZ = 1_000
+"""Actions of one explorer in each second of the run, on average, besides `MAX_ACTIONS`; one that
+yields more lets too little time pass."""
+
+FROM_ITS_OWN = "build it from its RobotSelf and its options alone"
+"""What to do about an exception in building an explorer, if it does not tell more."""
+
 TRY_IT = "see what 'multisrt check FILE' says of it"
 """What to do about an exception in a run, if it does not tell more."""
+
+
+class Pace:
+    """Counts the actions of one explorer, of which there may be many, but not without end.
+
+    Parameters
+    ----------
+    robot : int
+        Its robot.
+    """
+
+    def __init__(self, robot: int) -> None:
+        self._robot = robot
+        self._moment_s = 0.0
+        self._at_once = 0
+        self._all = 0
+
+    def count(self, now_s: float) -> None:
+        """Count an action.
+
+        Parameters
+        ----------
+        now_s : float
+            The present moment in seconds.
+
+        Raises
+        ------
+        ExplorerDefect
+            If these are more than `MAX_ACTIONS` at this moment, or more than that and
+            `MAX_RATE_HZ` up to it.
+        """
+        if self._moment_s < now_s:
+            self._moment_s, self._at_once = now_s, 0
+        self._at_once += 1
+        self._all += 1
+        if self._at_once > MAX_ACTIONS:
+            refuse(
+                self._robot,
+                f"it yielded {MAX_ACTIONS:,} actions at {now_s:g} s and lets no time pass",
+                "have it move, or wait with a Receive that does not end at once",
+            )
+        if self._all > MAX_ACTIONS + MAX_RATE_HZ * now_s:
+            refuse(
+                self._robot,
+                f"it yielded {self._all:,} actions by {now_s:g} s, of which {MAX_RATE_HZ:,} in a "
+                "second are allowed",
+                "have it wait longer, as with a larger timeout_s of its Receive",
+            )
+
+
+def build(make: Callable[[RobotSelf, Any], Explorer], me: RobotSelf, options: object) -> Explorer:
+    """Return the explorer of a robot.
+
+    Parameters
+    ----------
+    make : callable
+        That of its strategy.
+    me : RobotSelf
+        What the robot knows of itself.
+    options : object
+        The options of the strategy.
+
+    Returns
+    -------
+    Explorer
+        The explorer.
+
+    Raises
+    ------
+    ExplorerDefect
+        If it cannot be built, by an exception which is its cause then, or has no `run()`. Errors
+        of this package pass as they are.
+    """
+    where = f"building the explorer of robot {me.robot}"
+    try:
+        explorer = make(me, options)
+    except InvalidInputError:
+        raise
+    except (Exception, SystemExit) as error:
+        what, remedy = error_flaw(inspect.unwrap(make), error, FROM_ITS_OWN)
+        raise ExplorerDefect(what, where, remedy) from error
+    if not callable(getattr(explorer, "run", None)):
+        raise ExplorerDefect(
+            f"what was built is {article(type(explorer).__name__)}, which has no run()",
+            where,
+            "give it a method run(self), a generator of actions",
+        )
+    return explorer
 
 
 def begin(explorer: Explorer, robot: int, usual: str = TRY_IT) -> Steps:
@@ -143,31 +242,6 @@ def require_in_order(action: object, robot: int, *, moves: bool) -> None:
         )
     if not moves and isinstance(action, Stop):
         refuse(robot, "it yielded Stop, but it stands", "Stop ends a motion: Move first")
-
-
-def require_progress(actions: int, robot: int, now_s: float) -> None:
-    """Raise the error of an explorer that lets no time pass.
-
-    Parameters
-    ----------
-    actions : int
-        How many actions it has yielded at the present moment.
-    robot : int
-        Its robot.
-    now_s : float
-        That moment in seconds.
-
-    Raises
-    ------
-    ExplorerDefect
-        If these are more than `MAX_ACTIONS`.
-    """
-    if actions > MAX_ACTIONS:
-        refuse(
-            robot,
-            f"it yielded {MAX_ACTIONS:,} actions at {now_s:g} s and lets no time pass",
-            "have it move, or wait with a Receive that does not end at once",
-        )
 
 
 def refuse_action(action: object, robot: int) -> NoReturn:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import shapely
 from shapely import Point
 
-from multisrt.environments.environment import Environment
+from multisrt.environments.environment import MAX_COORDINATE_M, Environment
 from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import ClearanceError
@@ -118,6 +118,8 @@ def nearest_room(
     True
     """
     radius = footprint.circumscribed_radius_m
+    # Distances of points beyond all worlds may overflow.
+    x, y = (min(max(value, -MAX_COORDINATE_M), MAX_COORDINATE_M) for value in (x, y))
     for margin in (MARGIN_M, MARGIN_M + MARGIN_SHARE * radius):
         room = environment.free.buffer(-(radius + margin), quad_segs=ARC_SEGMENTS)
         if room.is_empty:

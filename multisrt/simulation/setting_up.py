@@ -12,9 +12,12 @@ from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.regions.edge_index import EdgeIndex
 from multisrt.recording import Header, header_of
+from multisrt.robots.defects import ExplorerDefect
 from multisrt.robots.explorer import Explorer, RobotSelf
 from multisrt.robots.registry import strategy
 from multisrt.robots.robot_self import BaseSelf
+from multisrt.robots.strategy import Strategy
+from multisrt.simulation import protocol
 from multisrt.simulation.base_station import require_free
 from multisrt.simulation.faults import late_starts
 from multisrt.simulation.radio import Radio
@@ -107,27 +110,25 @@ def set_up(
     orders: Sequence[object] = [None] * len(spec.robots)
     if chosen.plan is not None:
         orders = chosen.plan(spec, environment, starts, planning)
-    explorers = tuple(
-        chosen.explorer(
-            RobotSelf(
-                robot=number,
-                start=start,
-                footprint=Footprint.parse(robot.footprint),
-                kinematics=robot.drive.kinematics(),
-                range_m=robot.range_finder.range_m,
-                rng=streams.of("robots", number),
-                team=len(spec.robots),
-                radio=radio.datasheet(),
-                base=None if base is None else base.base,
-                time_s=joins.get(number, 0.0),
-                limit_s=spec.stop.max_time_s,
-                team_range_m=team_range_m,
-                orders=orders[number],
-            ),
-            options,
+    selves = [
+        RobotSelf(
+            robot=number,
+            start=start,
+            footprint=Footprint.parse(robot.footprint),
+            kinematics=robot.drive.kinematics(),
+            range_m=robot.range_finder.range_m,
+            rng=streams.of("robots", number),
+            team=len(spec.robots),
+            radio=radio.datasheet(),
+            base=None if base is None else base.base,
+            time_s=joins.get(number, 0.0),
+            limit_s=spec.stop.max_time_s,
+            team_range_m=team_range_m,
+            orders=orders[number],
         )
         for number, (robot, start) in enumerate(zip(spec.robots, starts, strict=True))
-    )
+    ]
+    explorers = tuple(_built(chosen, me, options) for me in selves)
     return SetUp(
         spec=spec,
         environment=environment,
@@ -140,6 +141,13 @@ def set_up(
         base=base,
         streams=streams,
     )
+
+
+def _built(strategy: Strategy, me: RobotSelf, options: object) -> Explorer:
+    try:
+        return protocol.build(strategy.explorer, me, options)
+    except ExplorerDefect as defect:
+        raise defect.in_run(strategy.name, me.time_s) from defect.__cause__
 
 
 @lru_cache(maxsize=8)

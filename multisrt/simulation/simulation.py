@@ -123,6 +123,7 @@ class Simulation:
         )
         faults = Faults(spec.faults, robots, self.motions, clock=clock, journal=journal)
         surroundings = Surroundings(
+            strategy=spec.strategy,
             clock=clock,
             journal=journal,
             sensing=sensing,

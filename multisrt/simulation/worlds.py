@@ -7,14 +7,14 @@ from pathlib import Path
 from typing import Any
 
 import msgspec
-import numpy as np
 import shapely
 
 from multisrt.environments import suites
 from multisrt.environments.catalog import environment, names
 from multisrt.environments.environment import Environment
 from multisrt.environments.formats import read_environment
-from multisrt.geometry.errors import InvalidInputError, did_you_mean
+from multisrt.environments.formats.wkt import geometry_of
+from multisrt.geometry.errors import InvalidInputError, did_you_mean, shown
 from multisrt.spec import (
     CatalogEnvironment,
     EnvironmentSpec,
@@ -100,13 +100,13 @@ def environment_spec(
     path = Path(text)
     if not _exists(path) and (meant := did_you_mean(text.partition("/")[0], suites.names())):
         raise InvalidInputError(
-            f"there is no file {text!r}, and no suite of that name{meant}; suites are: "
+            f"there is no file {shown(text)}, and no suite of that name{meant}; suites are: "
             f"{', '.join(suites.names())}"
         )
     if not _exists(path) and not path.suffix and len(path.parts) == 1:
         raise InvalidInputError(
-            f"there is no environment {text!r}{did_you_mean(text, names())} and no file of that "
-            f"name; the catalogue has: {', '.join(names())}; suites are: "
+            f"there is no environment {shown(text)}{did_you_mean(text, names())} and no file of "
+            f"that name; the catalogue has: {', '.join(names())}; suites are: "
             f"{', '.join(suites.names())}"
         )
     return FileEnvironment(
@@ -159,11 +159,8 @@ def build_environment(spec: EnvironmentSpec) -> Environment:
         )
         require_recorded(spec, world)
         return world
-    try:
-        with np.errstate(invalid="ignore"):  # NaN coordinates are refused below
-            free = shapely.from_wkt(spec.wkt)
-    except shapely.errors.ShapelyError as error:
-        raise InvalidInputError(f"environment {spec.name!r}: {error}") from None
+    # Coordinates that are not finite are refused by the environment.
+    free = geometry_of(spec.wkt, f"environment {shown(spec.name)}")
     return Environment(spec.name, free, starts=spec.starts)
 
 

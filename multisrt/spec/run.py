@@ -18,7 +18,7 @@ from multisrt.spec.numbering import numbers_of
 from multisrt.spec.part import Part, Scalar
 from multisrt.spec.radio import RadioSpec
 from multisrt.spec.robots import RobotSpec
-from multisrt.validation_errors import explained
+from multisrt.validation_errors import UNREADABLE, explained
 
 PlacedHow = Literal["scattered", "clustered", "random", "suggested"]
 """How a team is placed: far apart, close together, or each robot at a random place."""
@@ -252,7 +252,7 @@ class RunSpec(Part, frozen=True, kw_only=True):
         """
         try:
             return msgspec.json.decode(text, type=cls)
-        except (msgspec.MsgspecError, UnicodeDecodeError) as error:
+        except UNREADABLE as error:
             raise InvalidInputError(f"not a run spec: {explained(error, cls)}") from None
 
     @classmethod
@@ -286,7 +286,7 @@ class RunSpec(Part, frozen=True, kw_only=True):
         """
         try:
             return msgspec.toml.decode(text, type=cls)
-        except (msgspec.MsgspecError, RecursionError) as error:
+        except UNREADABLE as error:
             raise InvalidInputError(f"not a run spec: {explained(error, cls)}") from None
 
 

@@ -14,15 +14,16 @@ import numpy as np
 
 from multisrt.environments.environment import Environment
 from multisrt.events import Collision, Died, Learned
+from multisrt.geometry.errors import InvalidInputError
 from multisrt.recording import Recording
 from multisrt.robots.code_places import modules_of, place_suffix
-from multisrt.robots.defects import ExplorerDefect, Flaw, article
+from multisrt.robots.defects import ExplorerDefect, Flaw
 from multisrt.robots.error_flaw import error_flaw
 from multisrt.robots.explorer import Explorer, RobotSelf
 from multisrt.robots.naming import named_robots
 from multisrt.robots.registry import registered
 from multisrt.robots.strategy import Strategy
-from multisrt.simulation.protocol import begin
+from multisrt.simulation.protocol import FROM_ITS_OWN, begin, build
 from multisrt.simulation.random_streams import random_stream
 from multisrt.simulation.simulate import simulate
 from multisrt.simulation.standstill import NOTHING_NEW
@@ -122,7 +123,7 @@ class Case:
         """
         built_by = inspect.unwrap(self.strategy.explorer)
         try:
-            explorer = self._watchdog.call(self.strategy.explorer, me, self.options)
+            return self._watchdog.call(build, self.strategy.explorer, me, self.options)
         except ComputesTooLong as late:
             place = place_suffix(place_of_frame(built_by, late.frame))
             raise self._defect(
@@ -130,19 +131,13 @@ class Case:
                 f"{self._limits.max_decision_s:g} s{place}",
                 "keep the constructor fast: long computations belong in run()",
             ) from None
-        except (Exception, SystemExit) as error:
-            usual = "build it from its RobotSelf and its options alone"
-            flaw = error_flaw(built_by, error, usual)
+        except ExplorerDefect as defect:
+            raise self._defect(f"{defect.where}: {defect.what}", defect.remedy) from defect
+        except InvalidInputError as error:
+            flaw = error_flaw(built_by, error, FROM_ITS_OWN)
             raise self._defect(
                 f"building the explorer of robot {me.robot}: {flaw.what}", flaw.remedy
             ) from error
-        if not callable(getattr(explorer, "run", None)):
-            raise self._defect(
-                f"what was built for robot {me.robot} is {article(type(explorer).__name__)}, "
-                "which has no run()",
-                "give it a method run(self), a generator of actions",
-            )
-        return explorer
 
     def run_supervised(self) -> None:
         """Run the explorers in the simulation, and check everything that they do."""

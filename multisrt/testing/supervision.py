@@ -249,7 +249,7 @@ class SupervisedExplorer:
                 "max_decision_s (--max-decision)",
             )
         except ExplorerDefect as defect:
-            if _is_refusal(defect):
+            if defect.is_refusal:
                 self._refuse(defect.what, defect.remedy, defect.__cause__)
             # Code of this package refuses what the explorer's own code returns: a rule.
             self._refuse(f"{defect.where}: {defect.what}", defect.remedy, defect)
@@ -440,13 +440,8 @@ class SupervisedExplorer:
         try:
             yield
         except ExplorerDefect as defect:
-            if _is_refusal(defect):
+            if defect.is_refusal:
                 noted = isinstance(action, Note)
                 place = place_of_yield(type(self._explorer), self._actions) if noted else ""
                 self._refuse(f"{defect.what}{place_suffix(place)}", defect.remedy)
             raise
-
-
-def _is_refusal(defect: ExplorerDefect) -> bool:
-    # Whether it is told without a place in the run.
-    return defect.where.startswith("the explorer of ")

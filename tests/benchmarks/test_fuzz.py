@@ -9,11 +9,14 @@ import pytest
 import shapely
 
 from benchmarks.fuzz import judging
-from benchmarks.fuzz.command import Report, main, report_of, shares, write
-from benchmarks.fuzz.judging import Outcome, Verdict, flaw_of_message, flaw_of_world, judge
+from benchmarks.fuzz.command import main, report_of, shares, write
+from benchmarks.fuzz.flaws import flaw_of_message, flaw_of_world
+from benchmarks.fuzz.judging import Outcome, Verdict, judge
 from benchmarks.fuzz.mutations import MAX_BYTES
 from benchmarks.fuzz.processes import Campaign
-from benchmarks.fuzz.targets import TARGETS, Target
+from benchmarks.fuzz.report import Report
+from benchmarks.fuzz.target import Target
+from benchmarks.fuzz.targets import TARGETS
 from multisrt.environments.environment import Environment
 from multisrt.geometry.errors import MapFormatError
 
@@ -81,9 +84,11 @@ def test_each_outcome_has_its_verdict(read, verdict, tmp_path):
 
 
 def test_messages_are_one_line_that_names_a_file(tmp_path):
-    assert not flaw_of_message(f"{tmp_path}/a.wkt is wrong", tmp_path)
-    assert "one line" in flaw_of_message(f"{tmp_path}/a.wkt\nis wrong", tmp_path)
-    assert "one line" in flaw_of_message(f"{tmp_path}/a.wkt \x1b[2J", tmp_path)
+    folder = (str(tmp_path),)
+    assert not flaw_of_message(f"{tmp_path}/a.wkt is wrong", folder)
+    assert "one line" in flaw_of_message(f"{tmp_path}/a.wkt\nis wrong", folder)
+    assert "one line" in flaw_of_message(f"{tmp_path}/a.wkt \x1b[2J", folder)
+    assert "does not name" in flaw_of_message("line 1 is wrong", folder)
 
 
 def test_flaws_of_worlds_are_found():
@@ -152,9 +157,10 @@ def test_the_command_prints_a_table_and_reads_again(tmp_path, capsys, monkeypatc
     with pytest.raises(SystemExit) as ended:
         main(["--inputs", "20", "--format", "wkt"])
     assert ended.value.code == 0
-    title, row = capsys.readouterr().out.splitlines()
+    title, row, total = capsys.readouterr().out.splitlines()
     assert title.split()[:4] == ["format", "inputs", "read", "refused"]
     assert row.split()[:2] == ["wkt", "20"]
+    assert total == "20 inputs of 1 formats, 0 failed"
     with pytest.raises(SystemExit):
         main(["--format", "wkt", "--number", "1"])
     assert "read in" in capsys.readouterr().out

@@ -25,6 +25,7 @@ def mission_of(number: int, verdict: Verdict = VERDICT, **more) -> Mission:
     spec = RunSpec(
         environment=CatalogEnvironment(name="open"), strategy="minpos", robots=(RobotSpec(),) * 2
     )
+    more = {"folders": ("a/b",) * len(verdict.violations)} | more
     return Mission(number=number, spec=spec, refused=1, verdict=verdict, **more)
 
 
@@ -93,6 +94,25 @@ def test_a_damaged_mission_is_told(path):
         connection.execute("UPDATE missions SET violations = '{'")
     with (
         CampaignStore.open(path) as store,
-        pytest.raises(InvalidInputError, match="a damaged mission"),
+        pytest.raises(InvalidInputError, match="damaged: a mission"),
     ):
+        list(store.rows())
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ("UPDATE missions SET folders = '[]'", "mission 1 has not one folder for each violation"),
+        ("UPDATE meta SET value = '-1' WHERE name = 'seed'", "is 0 or positive, not -1"),
+        ("UPDATE meta SET value = x'ff' WHERE name = 'seed'", "its table meta is no text"),
+        ("UPDATE missions SET time_s = 9e999", "a number of inf"),
+        ("CREATE VIEW more AS SELECT * FROM missions", "its tables are not those"),
+    ],
+)
+def test_damage_is_told(path, change, said):
+    with CampaignStore.create_or_open(path) as store:
+        store.add(row_of(mission_of(1)))
+    with sqlite3.connect(path) as connection:
+        connection.execute(change)
+    with pytest.raises(InvalidInputError, match=said), CampaignStore.open(path) as store:
         list(store.rows())

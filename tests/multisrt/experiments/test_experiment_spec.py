@@ -376,3 +376,10 @@ def test_the_schema_describes_every_field():
                 assert "None" not in told["description"]
     radio = made["definitions"]["RadioChoice"]["properties"]
     assert "R_c" in radio["range_m"]["description"]
+
+
+def test_names_and_labels_are_one_line():
+    wrong = ('name = "a\\nb"', 'name = "\\u001b"', 'name = "a"\nfaults = [{ label = "\\u2028" }]')
+    for text in wrong:
+        with pytest.raises(InvalidInputError, match="on one line, without control characters"):
+            ExperimentSpec.from_toml(text)

@@ -10,7 +10,7 @@ from multisrt.experiments.crossing import runs
 from multisrt.experiments.mission import make_run
 from multisrt.experiments.spec import ExperimentSpec, Limits, StrategyChoice
 from multisrt.experiments.store import Store
-from multisrt.experiments.store_file import FORMAT, LOG
+from multisrt.experiments.store_file import FORMAT, LOG, labels_in
 from multisrt.geometry.errors import InvalidInputError
 from tests.multisrt.experiments.results import metrics_of, result_of
 
@@ -332,9 +332,34 @@ def test_a_damaged_row_is_reported(filled):
     doctored(filled, "UPDATE runs SET metrics = '{}'")
     with (
         Store.open(filled) as store,
-        pytest.raises(InvalidInputError, match=r"the result of run \w+ is damaged"),
+        pytest.raises(InvalidInputError, match=r"the result of run '\w+' is damaged"),
     ):
         store.results()
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        "CREATE VIEW more AS SELECT * FROM runs",
+        "CREATE TRIGGER more AFTER INSERT ON runs BEGIN DELETE FROM runs; END",
+        "ALTER TABLE runs ADD COLUMN more",
+        "DROP TABLE runs",
+    ],
+)
+def test_tables_that_are_not_ours_are_refused(filled, change):
+    doctored(filled, change)
+    assert labels_in(filled) == []
+    with pytest.raises(InvalidInputError, match="its tables are not those that multisrt makes"):
+        Store.open(filled)
+    with pytest.raises(InvalidInputError, match="its tables are not those that multisrt makes"):
+        Store.create_or_open(filled, SPEC)
+
+
+def test_names_of_tables_that_are_no_text_are_told(filled):
+    filled.write_bytes(filled.read_bytes().replace(b"TABLE runs", b"TABLE r\xc7ns"))
+    assert labels_in(filled) == []
+    with pytest.raises(InvalidInputError, match="a damaged file of results"):
+        Store.open(filled)
 
 
 @pytest.mark.parametrize(

@@ -119,5 +119,5 @@ def test_a_message_that_wakes_reaches_a_robot_that_moves(message, told):
 def test_what_cannot_be_encoded_is_named_with_its_place():
     with pytest.raises(ExplorerDefect) as defect:
         talk(MapPart(np.zeros(2), names=("a", cast(str, object())), sender=1))
-    assert "MapPart.names[1] is <object object" in str(defect.value)
+    assert "MapPart.names[1] is <object>" in str(defect.value)
     assert "messages hold numbers, text, tuples" in str(defect.value)

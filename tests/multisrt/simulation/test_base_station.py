@@ -221,7 +221,7 @@ def test_an_explorer_cannot_speak_for_the_base(play):
     with pytest.raises(InvalidInputError, match="which explorers do not note"):
         play([Note(lie), END], starts=[(1.0, 1.0)], base=AT_HOME)
     wrong = Send(News(sender=7, entries=(node(0, 0.0),)))
-    with pytest.raises(InvalidInputError, match=r"sender=7.*one robot, number 0"):
+    with pytest.raises(InvalidInputError, match=r"sender of its message is 7.*; give sender=0"):
         play([wrong, END], starts=[(1.0, 1.0)], base=AT_HOME)
 
 

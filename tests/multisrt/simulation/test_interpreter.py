@@ -148,7 +148,9 @@ def test_an_explorer_that_lets_no_time_pass_is_refused(play, call, straight, mon
         while True:
             yield Receive(0.0)
 
-    with pytest.raises(ExplorerDefect, match=r"robot 0: it yielded 50 actions at 2 s and lets no"):
+    with pytest.raises(
+        ExplorerDefect, match=r"robot 0 .*: it yielded 50 actions at 2 s and lets no"
+    ):
         play(waits_for_nothing(), starts=[(1.0, 5.0)])
 
     def answers(robot):
@@ -173,10 +175,26 @@ def test_actions_are_counted_separately_at_each_time(play, monkeypatch):
     assert recording.footer.outcome == "complete"
 
 
+def test_moments_without_end_are_refused(play, monkeypatch):
+    monkeypatch.setattr("multisrt.simulation.protocol.MAX_ACTIONS", 50)
+    monkeypatch.setattr("multisrt.simulation.protocol.MAX_RATE_HZ", 4)
+
+    def waits(timeout_s):
+        yield Receive(2.0)
+        while True:
+            yield Receive(timeout_s)
+
+    for timeout_s in (1e-9, 0.1):
+        with pytest.raises(ExplorerDefect, match=r"yielded \d+ actions by .* of which 4 in a"):
+            play(waits(timeout_s), starts=[(1.0, 5.0)])
+    recording, _ = play(waits(0.25), starts=[(1.0, 5.0)])
+    assert recording.footer.outcome != "complete"
+
+
 def test_stop_requires_a_motion_and_move_a_standing_robot(play, call, straight, sends_each_second):
-    with pytest.raises(ExplorerDefect, match=r"robot 1: it yielded Stop, but it stands"):
+    with pytest.raises(ExplorerDefect, match=r"robot 1 .* at 0 s: it yielded Stop, but it stands"):
         play([END], [Stop(), END], starts=TWO)
-    with pytest.raises(ExplorerDefect, match=r"robot 1: it yielded Move while a motion goes on"):
+    with pytest.raises(ExplorerDefect, match=r"robot 1 .*: it yielded Move while a motion goes on"):
         play(
             sends_each_second(call(sender=0)),
             [straight(1, 5, 5, 5, listen=True), straight(1.5, 5, 5, 5, listen=True)],

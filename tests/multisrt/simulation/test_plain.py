@@ -33,6 +33,7 @@ from multisrt.recording import Recording
 from multisrt.robots.defects import ExplorerDefect
 from multisrt.robots.explorer import Done, Look, Move, Note, Receive, Send, Sense, TimedOut
 from multisrt.robots.messages import Message
+from multisrt.simulation import plain
 from multisrt.spec import RobotSpec
 
 END = Done(complete=True, reason="enough")
@@ -285,7 +286,7 @@ WAY = Trajectory(STRAIGHT)
 def test_what_cannot_be_used_is_refused_in_words(play, action, said):
     with pytest.raises(ExplorerDefect, match=said) as caught:
         play([Sense(), action, END], [END])
-    assert caught.value.where == "the explorer of robot 0"
+    assert caught.value.where.startswith("the explorer of robot 0 ('script') at ")
     assert isinstance(caught.value, InvalidInputError)
     assert "\n" not in str(caught.value)
 
@@ -321,7 +322,27 @@ def test_what_is_noted_has_the_present_time(drive):
 
 
 def test_events_that_can_be_written_are_recorded_as_they_are(act):
-    assert noted(act, NODE) is NODE
+    assert noted(act, NODE) == NODE
+    assert plain.event(NODE, 0, 1.0, is_ours=True) is NODE
+
+
+def test_whole_numbers_are_recorded_as_their_field_declares(act):
+    chosen = GoalChosen(time_s=1.0, robot=0, rule="mine", because="start", goal=(2, 1))
+    assert isinstance(noted(act, chosen).goal[0], float)
+
+
+@pytest.mark.parametrize(
+    ("waypoints", "said"),
+    [
+        (((0.0, 0.0), (2.0, 0.0), (1.0, 0.0)), "the times of a motion's waypoints never fall"),
+        (((1.0, 0.0), (2.0, 0.0)), "its trajectory begins at 1 s"),
+        (((0.0, 0.0), (1.0, 15.0)), "a leg of a motion turns by more than"),
+    ],
+)
+def test_trajectories_that_no_recording_holds_are_refused(waypoints, said):
+    wrong = Trajectory(tuple(Waypoint(at_s, 1.0, 1.0, heading) for at_s, heading in waypoints))
+    with pytest.raises(ExplorerDefect, match=said):
+        plain.motion(Move(trajectory=wrong), 0)
 
 
 def test_lists_in_place_of_tuples_are_recorded(act):

@@ -1,0 +1,37 @@
+PRAGMA application_id = 1297306196;
+PRAGMA user_version = 2;
+BEGIN TRANSACTION;
+CREATE TABLE meta (name TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
+INSERT INTO "meta" VALUES('asked','4');
+INSERT INTO "meta" VALUES('experiment','{"name":"Two","environments":[{"name":"open","parameters":{"size_m":6.0}}],"strategies":["closest","srt-star"],"robots":[2],"repetitions":2,"stop":{"max_time_s":60.0}}');
+INSERT INTO "meta" VALUES('folder','/maps');
+INSERT INTO "meta" VALUES('provenance','@provenance@');
+CREATE TABLE runs (
+    key TEXT PRIMARY KEY,
+    position INTEGER NOT NULL,
+    environment TEXT NOT NULL,
+    strategy TEXT NOT NULL,
+    robots INTEGER NOT NULL,
+    team TEXT NOT NULL,
+    starts TEXT NOT NULL,
+    radio TEXT NOT NULL,
+    body TEXT NOT NULL,
+    faults TEXT NOT NULL,
+    repetition INTEGER NOT NULL,
+    status TEXT NOT NULL,
+    reason TEXT NOT NULL,
+    digest TEXT NOT NULL,
+    metrics TEXT,
+    horizon_s REAL,
+    chance INTEGER NOT NULL,
+    same_as INTEGER,
+    covered_at_s TEXT NOT NULL,
+    computing_s REAL NOT NULL,
+    wall_s REAL NOT NULL,
+    memory_mb REAL NOT NULL
+);
+INSERT INTO "runs" VALUES('ab9c829e2426d8ef059100b57608861e',0,'open','closest',2,'','scattered','unlimited','disc:0.25','none',0,'complete','all robots: no frontier is left that it can reach','8061e4e49a64a7408958636f0eab796fe87181972dc83ba4a74b6d89adba465e','{"outcome":"complete","known_complete_s":4.0,"makespan_s":5.0,"total_distance_m":2.6749945417800713,"distance_by_robot_m":[1.5027492444221169,1.1722452973579545],"distance_spread_m":0.1652519735320812,"waiting_time_s":0.0,"waiting_time_by_robot_s":[0.0,0.0],"coverage":1.0,"seen":1.0,"coverage_integral_s":0.22887505357258542,"free_area_m2":36.0,"explorable_area_m2":35.99999999999986,"covered_area_m2":35.99999999999986,"seen_area_m2":35.99999999999986,"unseen_m2":0.0,"given_up_m2":{},"overlap_area_m2":15.398769318431176,"overlap_share":0.4277435921786455,"lost_area_m2":0.0,"lost_area_by_robot_m2":[0.0,0.0],"isolated_total_s":0.0,"isolated_by_robot_s":[0.0,0.0],"isolated_longest_s":0.0,"beyond_range_m":null,"split_s":0.0,"known_to_one_m2s":1.102329492997568,"known_to_one_by_robot_m2s":[0.0,1.102329492997568],"known_to_one_m2":0.0,"time_to_90_s":0.0,"time_to_95_s":3.0,"time_to_99_s":4.0,"nodes":9,"nodes_by_robot":[5,4],"nodes_by_stage":{"root":2,"scan":7},"decisions":0,"coordinations":0,"deadlocks":0,"protective_stops":0,"deaths":0,"messages":23,"deliveries":23,"lost_deliveries":0,"bytes_sent":9573,"messages_by_kind":{"report":23},"bytes_by_kind":{"report":9573},"arcs_closed":{},"frontier_left_m":0.0,"collisions":0,"min_clearance_m":0.28876754353828993,"min_distance_between_robots_m":4.241530547578823,"lower_bound_s":1.5945776915180492,"lower_bound_reach_s":1.5945776915180492,"lower_bound_area_s":0.36040185516270373,"lower_bound_witness_s":null,"diagram_left":{},"bids_by_radius":{},"delivered_coverage":null,"delivered_90_s":null,"delivered_95_s":null,"delivered_99_s":null,"base_age_s":null,"carrying_s":null}',NULL,1,NULL,'[0.0,0.0,0.0,0.0,0.0,4.0]',0.5,0.5,100.0);
+INSERT INTO "runs" VALUES('039a857865c02923067a708d8be1612e',1,'open','srt-star',2,'','scattered','unlimited','disc:0.25','none',0,'crashed','its process died','',NULL,NULL,1,NULL,'[]',0.5,0.5,100.0);
+INSERT INTO "runs" VALUES('fb92335d95912cf963a73c6cf98cdf20',2,'open','closest',2,'','scattered','unlimited','disc:0.25','none',1,'complete','all robots: no frontier is left that it can reach','dbcf8450a94b1b19f5f492b5c9d63489214c94196159dfb75f601ecff946c35d','{"outcome":"complete","known_complete_s":4.0,"makespan_s":5.0,"total_distance_m":3.140157076584278,"distance_by_robot_m":[1.490444843286938,1.6497122332973402],"distance_spread_m":0.07963369500520112,"waiting_time_s":0.0,"waiting_time_by_robot_s":[0.0,0.0],"coverage":0.9993750056924477,"seen":0.9993750056924477,"coverage_integral_s":0.20200462897125793,"free_area_m2":36.0,"explorable_area_m2":35.99999999999986,"covered_area_m2":35.97750020492798,"seen_area_m2":35.97750020492798,"unseen_m2":0.022499795071880158,"given_up_m2":{"no frontier":0.022499795072261145},"overlap_area_m2":25.667263084324702,"overlap_share":0.7134254169445868,"lost_area_m2":0.0,"lost_area_by_robot_m2":[0.0,0.0],"isolated_total_s":0.0,"isolated_by_robot_s":[0.0,0.0],"isolated_longest_s":0.0,"beyond_range_m":null,"split_s":0.0,"known_to_one_m2s":1.6854218195173645,"known_to_one_by_robot_m2s":[0.0,1.6854218195173645],"known_to_one_m2":0.0,"time_to_90_s":0.0,"time_to_95_s":2.0,"time_to_99_s":4.0,"nodes":10,"nodes_by_robot":[5,5],"nodes_by_stage":{"root":2,"scan":8},"decisions":0,"coordinations":0,"deadlocks":0,"protective_stops":0,"deaths":0,"messages":25,"deliveries":25,"lost_deliveries":0,"bytes_sent":10438,"messages_by_kind":{"report":25},"bytes_by_kind":{"report":10438},"arcs_closed":{},"frontier_left_m":0.0,"collisions":0,"min_clearance_m":0.14103458275148384,"min_distance_between_robots_m":2.5439546288395265,"lower_bound_s":2.054279155610635,"lower_bound_reach_s":2.054279155610635,"lower_bound_area_s":0.31651176698627737,"lower_bound_witness_s":null,"diagram_left":{},"bids_by_radius":{},"delivered_coverage":null,"delivered_90_s":null,"delivered_95_s":null,"delivered_99_s":null,"base_age_s":null,"carrying_s":null}',NULL,1,NULL,'[0.0,0.0,0.0,0.0,0.0,null]',0.5,0.5,100.0);
+INSERT INTO "runs" VALUES('cd2b925ff4e39af6e16bb9f71f9cbf57',3,'open','srt-star',2,'','scattered','unlimited','disc:0.25','none',1,'out_of_time','the time limit of 60 s is reached','6d15a4e6abdbc1324bd9f8f3284e65bb67e4c8a18ef9c3e0cdc346fa04067728','{"outcome":"out_of_time","known_complete_s":null,"makespan_s":60.0,"total_distance_m":33.3245819633638,"distance_by_robot_m":[19.257281792870828,14.067300170492967],"distance_spread_m":2.5949908111889304,"waiting_time_s":35.95200278442812,"waiting_time_by_robot_s":[12.720966469960857,23.23103631446726],"coverage":0.9770721742481634,"seen":1.0,"coverage_integral_s":3.7227343413219174,"free_area_m2":36.0,"explorable_area_m2":35.99999999999986,"covered_area_m2":35.17459827293374,"seen_area_m2":35.99999999999986,"unseen_m2":0.0,"given_up_m2":{"left open":0.2816783508737759,"no frontier":0.543723376192594},"overlap_area_m2":30.807516274639195,"overlap_share":0.8557643409622032,"lost_area_m2":0.0,"lost_area_by_robot_m2":[0.0,0.0],"isolated_total_s":0.0,"isolated_by_robot_s":[0.0,0.0],"isolated_longest_s":0.0,"beyond_range_m":null,"split_s":0.0,"known_to_one_m2s":0.0,"known_to_one_by_robot_m2s":[0.0,0.0],"known_to_one_m2":0.0,"time_to_90_s":9.728291674633168,"time_to_95_s":22.633911471939527,"time_to_99_s":null,"nodes":16,"nodes_by_robot":[9,7],"nodes_by_stage":{"approach":2,"draw":12,"root":2},"decisions":23,"coordinations":1,"deadlocks":0,"protective_stops":0,"deaths":0,"messages":97,"deliveries":97,"lost_deliveries":0,"bytes_sent":55668,"messages_by_kind":{"orders":1,"state":96},"bytes_by_kind":{"orders":104,"state":55564},"arcs_closed":{},"frontier_left_m":2.0535261094888577,"collisions":0,"min_clearance_m":0.09982191713443922,"min_distance_between_robots_m":0.36151483662623496,"lower_bound_s":0.5309035259726596,"lower_bound_reach_s":0.5309035259726596,"lower_bound_area_s":0.216149025486998,"lower_bound_witness_s":null,"diagram_left":{},"bids_by_radius":{},"delivered_coverage":null,"delivered_90_s":null,"delivered_95_s":null,"delivered_99_s":null,"base_age_s":null,"carrying_s":null}',NULL,1,NULL,'[0.0,0.0,0.0,0.0,0.0,null]',0.5,0.5,100.0);
+COMMIT;

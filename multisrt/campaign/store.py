@@ -143,6 +143,8 @@ class CampaignStore(StoreFile):
         The file.
     seed : int
         Seed of the campaign.
+    program : str
+        Digest of the program that made it.
 
     Examples
     --------
@@ -161,7 +163,7 @@ class CampaignStore(StoreFile):
         meta = self._meta()
         try:
             self.seed = int(meta["seed"])
-            self._program = meta["program"]
+            self.program = meta["program"]
         except (KeyError, ValueError) as error:
             raise self.damaged(reason_of(error)) from None
         if self.seed < 0:
@@ -229,7 +231,7 @@ class CampaignStore(StoreFile):
                 f"{self.path} holds missions of seed {self.seed}, not {seed}: leave out the seed, "
                 "or name another file"
             )
-        if self._program != _program():
+        if self.program != _program():
             raise InvalidInputError(
                 f"{self.path}: its missions were made by another version of this program, whose "
                 "draws and results are not comparable: name another file"
@@ -238,7 +240,7 @@ class CampaignStore(StoreFile):
     @property
     def is_of_this_program(self) -> bool:
         """Whether this version of the program made it: whether it draws the same missions."""
-        return self._program == _program()
+        return self.program == _program()
 
     def add(self, row: Row) -> None:
         """Store a mission, unless it is stored already.

@@ -1,0 +1,257 @@
+"""What campaigns came to, kept as one line each, and the page about all of them.
+
+``python -m benchmarks.campaigns add FILE ...`` adds the missions of files of ``multisrt campaign
+run`` to ``docs/results/campaigns.jsonl``, in place of what the same program and seed came to
+before. ``python -m benchmarks.campaigns page`` writes ``docs/results/campaign.md``.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Final
+
+import msgspec
+
+from multisrt.campaign.invariants.completeness import BOXED_IN, COMPLETE
+from multisrt.campaign.invariants.waiting import NAME as WAITS
+from multisrt.campaign.store import CampaignStore, Row
+from multisrt.campaign.summary import StrategySummary, summary
+from multisrt.geometry.errors import InvalidInputError
+from multisrt.presets.summary import markdown_table
+from multisrt.recording import atomic_write
+
+ROOT: Final = Path(__file__).parents[1]
+
+KEPT: Final = ROOT / "docs/results/campaigns.jsonl"
+"""What campaigns came to, a line each."""
+
+PAGE: Final = ROOT / "docs/results/campaign.md"
+"""The page."""
+
+FOUND: Final = ROOT / "tests/multisrt/campaign/found"
+"""What campaigns have found, each with a comment that says what it was."""
+
+OF_STALLS: Final = (COMPLETE, BOXED_IN, WAITS)
+"""The invariants by which a run that stalled is judged."""
+
+
+class Totals(msgspec.Struct, frozen=True, kw_only=True):
+    """What the missions of a strategy came to, as far as it adds up over campaigns.
+
+    Attributes
+    ----------
+    missions, refused, repeated, failed : int
+        As in `multisrt.campaign.summary.StrategySummary`.
+    outcomes : dict of str to int
+        Number of missions by how they ended.
+    unconfirmed : int
+        Number of missions that stalled where an oracle finds that they need not have.
+    most_events : int
+        Largest number of recorded events.
+    longest_s : float
+        Longest elapsed time of a run and its judging, in seconds.
+    """
+
+    missions: int
+    refused: int
+    repeated: int
+    failed: int
+    outcomes: dict[str, int]
+    unconfirmed: int
+    most_events: int
+    longest_s: float
+
+
+class Campaign(msgspec.Struct, frozen=True, kw_only=True):
+    """What a campaign came to.
+
+    Attributes
+    ----------
+    program : str
+        Digest of the program that made it.
+    seed : int
+        Its seed.
+    strategies : dict of str to Totals
+        By strategy.
+    """
+
+    program: str
+    seed: int
+    strategies: dict[str, Totals]
+
+
+def campaign_of(path: Path) -> Campaign:
+    """Return what the campaign of a file came to."""
+    with CampaignStore.open(path) as store:
+        rows = list(store.rows())
+        found = {
+            each.strategy: _totals(each, [row for row in rows if row.strategy == each.strategy])
+            for each in summary(rows)[:-1]
+        }
+        return Campaign(program=store.program[:12], seed=store.seed, strategies=found)
+
+
+def _totals(told: StrategySummary, rows: Iterable[Row]) -> Totals:
+    rows = list(rows)
+    return Totals(
+        missions=told.missions,
+        refused=told.refused,
+        repeated=told.repeated,
+        failed=told.failed,
+        outcomes=dict(sorted(told.outcomes.items())),
+        unconfirmed=sum(
+            row.outcome == "stalled" and any(v.invariant in OF_STALLS for v in row.violations)
+            for row in rows
+        ),
+        most_events=max(row.events for row in rows),
+        longest_s=round(max(row.run_s + row.check_s for row in rows), 1),
+    )
+
+
+def united(totals: Sequence[Totals]) -> Totals:
+    """Return what several came to together.
+
+    Examples
+    --------
+    >>> one = Totals(missions=2, refused=0, repeated=1, failed=0, outcomes={"complete": 2},
+    ...              unconfirmed=0, most_events=9, longest_s=1.5)
+    >>> united([one, one]).outcomes, united([one, one]).most_events
+    ({'complete': 4}, 9)
+    """
+    outcomes: Counter[str] = Counter()
+    for each in totals:
+        outcomes.update(each.outcomes)
+    return Totals(
+        missions=sum(each.missions for each in totals),
+        refused=sum(each.refused for each in totals),
+        repeated=sum(each.repeated for each in totals),
+        failed=sum(each.failed for each in totals),
+        outcomes=dict(outcomes),
+        unconfirmed=sum(each.unconfirmed for each in totals),
+        most_events=max(each.most_events for each in totals),
+        longest_s=max(each.longest_s for each in totals),
+    )
+
+
+def kept(path: Path) -> list[Campaign]:
+    """Return what was added so far."""
+    if not path.is_file():
+        return []
+    return msgspec.json.Decoder(Campaign).decode_lines(path.read_bytes())
+
+
+def add(files: Iterable[Path], path: Path) -> list[Campaign]:
+    """Add the campaigns of files, and return all."""
+    found = {(each.program, each.seed): each for each in kept(path)}
+    for file in files:
+        campaign = campaign_of(file)
+        found[campaign.program, campaign.seed] = campaign
+    with atomic_write(path) as out:
+        out.write(msgspec.json.Encoder().encode_lines(list(found.values())))
+    return list(found.values())
+
+
+def page(campaigns: Sequence[Campaign]) -> str:
+    """Return the page of the documentation.
+
+    Parameters
+    ----------
+    campaigns : sequence of Campaign
+        What was added so far, at least one.
+
+    Returns
+    -------
+    str
+        Markdown.
+    """
+    by_strategy: dict[str, list[Totals]] = {}
+    for campaign in campaigns:
+        for name, totals in campaign.strategies.items():
+            by_strategy.setdefault(name, []).append(totals)
+    every = united([totals for found in by_strategy.values() for totals in found])
+    rows = [_told(f"`{name}`", united(found)) for name, found in sorted(by_strategy.items())]
+    programs = len({campaign.program for campaign in campaigns})
+    failed = "In none of them" if not every.failed else f"In {every.failed:,} of them"
+    parts = (
+        "# What campaigns came to",
+        f"[Campaigns](../campaign.md) made {every.missions:,} missions, drawn over all worlds, "
+        f"teams, radios, faults, strategies and options. {failed} an invariant did not hold. "
+        f"{every.repeated:,} were repeated in another process, with the same recording to the "
+        f"byte. {every.refused:,} draws were impossible and drawn again.",
+        markdown_table(COLUMNS, [*rows, _told("all", every)]),
+        "- *Stalled* runs ended with frontier left, as robots died, were boxed in, or could not "
+        "agree. *Not confirmed* are those of which an oracle that knows the map finds that a "
+        "robot had a way, or waited for longer than its limits.\n"
+        "- Runs *out of time* have a limit that was drawn shorter than the exploration takes. In "
+        "each of them it is judged that nobody stood for longer than the limits of its waits "
+        "together, so that somebody was at work when the time was over.\n"
+        "- *Most events* are those of one recording; *slowest* is the elapsed time of a run and "
+        "its judging, on a machine with other work.",
+        "## The campaigns",
+        f"Made by {programs} version{'s' * (programs > 1)} of the program: a defect that is found "
+        "is mended, and another campaign begun.",
+        markdown_table(("program", "seed", "missions", "failed"), map(_of_campaign, campaigns)),
+        "## What was found",
+        "Each of these runs violated an invariant, was shrunk, and is now a test.",
+        "\n".join(f"- {said}" for said in found_before()),
+        "`python -m benchmarks.campaigns add FILE` adds the missions of a file of `multisrt "
+        "campaign run`, and `python -m benchmarks.campaigns page` writes this page.",
+    )
+    return "\n\n".join(parts) + "\n"
+
+
+COLUMNS: Final = (
+    *("strategy", "missions", "complete", "stalled", "not confirmed", "out of time", "failed"),
+    *("most events", "slowest (s)"),
+)
+
+
+def _told(name: str, totals: Totals) -> tuple[str, ...]:
+    outcomes = (totals.outcomes.get(name, 0) for name in ("complete", "stalled", "out_of_time"))
+    complete, stalled, out_of_time = (f"{number:,}" for number in outcomes)
+    return (
+        *(name, f"{totals.missions:,}", complete, stalled, f"{totals.unconfirmed:,}", out_of_time),
+        *(f"{totals.failed:,}", f"{totals.most_events:,}", f"{totals.longest_s:.0f}"),
+    )
+
+
+def _of_campaign(campaign: Campaign) -> tuple[str, ...]:
+    whole = united(list(campaign.strategies.values()))
+    return (
+        *(f"`{campaign.program}`", str(campaign.seed)),
+        *(f"{whole.missions:,}", f"{whole.failed:,}"),
+    )
+
+
+def found_before() -> list[str]:
+    """Return what campaigns have found, in a sentence each."""
+    first = (path.read_text(encoding="utf-8").splitlines()[0] for path in sorted(FOUND.iterdir()))
+    return [line.removeprefix("# ") for line in first]
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Add campaigns, or write the page."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.campaigns", description=__doc__)
+    commands = parser.add_subparsers(dest="command", required=True)
+    adding = commands.add_parser("add", help="add what the campaigns of files came to")
+    adding.add_argument("files", type=Path, nargs="+", metavar="FILE")
+    commands.add_parser("page", help=f"write {PAGE.relative_to(ROOT)}")
+    named = parser.parse_args(arguments)
+    try:
+        campaigns = add(named.files, KEPT) if named.command == "add" else kept(KEPT)
+        if named.command == "page":
+            if not campaigns:
+                raise InvalidInputError("no campaign was added yet: add the missions of a file")
+            with atomic_write(PAGE) as out:
+                out.write(page(campaigns).encode())
+    except InvalidInputError as error:
+        parser.exit(2, f"{error}\n")
+    whole = united([totals for one in campaigns for totals in one.strategies.values()])
+    print(f"{whole.missions:,} missions of {len(campaigns)} campaigns, {whole.failed:,} failed")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,1 +1,1 @@
-"""Damaged files for every reader of maps, and of recordings: ``python -m benchmarks.fuzz``."""
+"""Damaged files and strategies, for all that reads them: ``python -m benchmarks.fuzz``."""

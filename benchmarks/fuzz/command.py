@@ -66,8 +66,14 @@ def main(arguments: Sequence[str] | None = None) -> None:
         reports.append(report)
     print(total(reports))
     if named.page is not None:
-        named.page.write_text(page(reports, named.seed), encoding="utf-8")
+        named.page.write_text(page(reports, command_of(named)), encoding="utf-8")
     sys.exit(1 if any(report.failed for report in reports) else 0)
+
+
+def command_of(named: argparse.Namespace) -> str:
+    """Return the command of a campaign, as far as its inputs depend on it."""
+    formats = "".join(f" --format {name}" for name in named.format or ())
+    return f"python -m benchmarks.fuzz --inputs {named.inputs} --seed {named.seed}{formats}"
 
 
 def shares(inputs: int, parts: int) -> list[int]:

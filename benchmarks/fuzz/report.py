@@ -94,17 +94,16 @@ def total(reports: Sequence[Report]) -> str:
     return f"{inputs:,} inputs of {len(reports)} formats, {failed:,} failed"
 
 
-def page(reports: Sequence[Report], seed: int) -> str:
+def page(reports: Sequence[Report], command: str) -> str:
     """Return the results of a campaign as a page of the documentation.
 
     Parameters
     ----------
     reports : sequence of Report
         The results of each reader.
-    seed : int
-        Seed of the campaign.
+    command : str
+        The command that made them, without the page.
     """
-    inputs = sum(report.inputs for report in reports)
     table = [
         "| format | inputs | read | refused | failed | slowest (s) | largest (MB) |",
         "|---|--:|--:|--:|--:|--:|--:|",
@@ -115,7 +114,7 @@ def page(reports: Sequence[Report], seed: int) -> str:
             for report in reports
         ),
     ]
-    again = f"python -m benchmarks.fuzz --inputs {inputs} --seed {seed} --page docs/results/fuzz.md"
+    again = f"{command} --page docs/results/fuzz.md"
     words = [
         f"{total(reports)}. {ABOUT}",
         VERDICTS,

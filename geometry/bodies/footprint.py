@@ -375,7 +375,7 @@ def _parsed(text: str) -> Footprint:
     except InvalidInputError as problem:
         raise InvalidInputError(f"footprint {shown(text)}: {problem}") from None
     except ValueError:
-        raise InvalidInputError(f"footprint {text!r} cannot be read; {FORMS}") from None
+        raise InvalidInputError(f"footprint {shown(text)} cannot be read; {FORMS}") from None
 
 
 def checked_configuration(configuration: Sequence[float]) -> Configuration:

@@ -455,7 +455,10 @@ class Store(StoreFile):
         outdated = self._outdated(spec, plan, made_by, remake=remake)
         with self._connection as transaction:
             transaction.executemany("DELETE FROM runs WHERE key = ?", [(key,) for key in outdated])
-            move(transaction, plan)
+            try:
+                move(transaction, plan)
+            except KeyError as key:
+                raise self.damaged(f"run {key} is in its table and not in its index") from None
             for status, name in (("over_time", "computing_s"), ("over_memory", "memory_mb")):
                 if getattr(spec.limits, name) > getattr(self.experiment.limits, name):
                     transaction.execute("DELETE FROM runs WHERE status = ?", (status,))

@@ -19,6 +19,9 @@ from multisrt.simulation.robot import CurrentMotion, Robot
 from multisrt.simulation.sensing import Sensing
 from multisrt.simulation.traffic import Traffic
 
+SAME_PLACE = 1e-5
+"""Distance in metres, and angle in radians, by which a body may move in no time, for rounding."""
+
 START_TOLERANCE = 1e-9
 """A trajectory starts within this of where the robot is, in metres and in radians."""
 
@@ -78,10 +81,11 @@ class Motions:
         Raises
         ------
         ExplorerDefect
-            If the trajectory does not start where the robot is.
+            If the trajectory does not start where the robot is, or leads on in no time.
         """
         now_s, number, trajectory = self._clock.now_s, robot.number, move.trajectory
         _require_start(trajectory, self._traffic.where(number, now_s), number)
+        _require_time(trajectory, number)
         left_s = self._max_time_s - now_s
         driven = trajectory if trajectory.duration_s <= left_s else trajectory.until(left_s)
         touching = self._touching_leg(robot.body, driven)
@@ -247,3 +251,15 @@ def _require_start(trajectory: Trajectory, configuration: Configuration, number:
             f"it yielded a trajectory from {trajectory.start}, but the robot is at {configuration}",
             "begin every trajectory where the last motion ended",
         )
+
+
+def _require_time(trajectory: Trajectory, number: int) -> None:
+    # A robot is at one place at one moment.
+    for a, b in pairwise(trajectory.waypoints):
+        moved = max(math.hypot(b.x - a.x, b.y - a.y), abs(b.heading - a.heading))
+        if b.time_s - a.time_s <= ROUNDING_S and moved > SAME_PLACE:
+            refuse(
+                number,
+                f"its trajectory leads from ({a.x:g}, {a.y:g}) to ({b.x:g}, {b.y:g}) in no time",
+                "give every waypoint the time at which the body can be there",
+            )

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator
-from itertools import chain
+from itertools import chain, pairwise
 from typing import Any, NoReturn, cast, get_args
 
 import msgspec
@@ -245,8 +245,14 @@ def as_declared(noted: Event, robot: int) -> AnyEvent:
 
 def _trajectory(trajectory: Any, robot: int) -> Trajectory:
     found = _with_builtins(trajectory, robot)
-    if (begin_s := found.waypoints[0].time_s) != 0.0:
-        refuse(robot, f"its trajectory begins at {begin_s:g} s", "begin every trajectory at 0")
+    times_s = [0.0, *(waypoint.time_s for waypoint in found.waypoints)]
+    for number, (before_s, after_s) in enumerate(pairwise(times_s)):
+        if after_s < before_s or (number == 0 and after_s != 0.0):
+            refuse(
+                robot,
+                f"waypoint {number} of its trajectory is at {after_s:g} s, after {before_s:g} s",
+                "times of a trajectory count from 0 at its start and never fall",
+            )
     if flaw := waypoints_flaw(found.waypoints):
         refuse(robot, f"its trajectory: {flaw}", "see multisrt.planners.motion.trajectory")
     return found

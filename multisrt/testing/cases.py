@@ -299,7 +299,7 @@ class Case:
         # A RobotSelf of this spec.
         told: list[RobotSelf] = []
 
-        class Idle(Exception):
+        class Idle(InvalidInputError):
             pass
 
         def explorer(me: RobotSelf, _: Any) -> Explorer:

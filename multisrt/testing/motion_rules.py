@@ -27,7 +27,7 @@ def trajectory_flaw(
     Parameters
     ----------
     trajectory : Trajectory
-        Of finite numbers.
+        Of finite numbers, whose times begin at 0 and never fall.
     at : Configuration
         Where the robot is.
     kinematics : Kinematics
@@ -47,7 +47,6 @@ def pose(configuration: Configuration | tuple[float, ...]) -> str:
 
 
 def _flaws(trajectory: Trajectory, at: Configuration, kinematics: Kinematics) -> Iterator[Flaw]:
-    yield from _time_flaws(trajectory)
     if not begins_at(trajectory, at):
         yield Flaw(
             f"its trajectory begins at {pose(trajectory.start)}, but the robot is at {pose(at)}",
@@ -56,16 +55,6 @@ def _flaws(trajectory: Trajectory, at: Configuration, kinematics: Kinematics) ->
     for a, b in pairwise(trajectory.waypoints):
         yield from _limit_flaws(a, b, kinematics)
         yield from _direction_flaws(a, b, kinematics)
-
-
-def _time_flaws(trajectory: Trajectory) -> Iterator[Flaw]:
-    times = [waypoint.time_s for waypoint in trajectory.waypoints]
-    for number, (before_s, after_s) in enumerate(pairwise([0.0, *times])):
-        if after_s < before_s or (number == 0 and after_s != 0.0):
-            yield Flaw(
-                f"waypoint {number} of its trajectory is at {after_s:g} s, after {before_s:g} s",
-                "times of a trajectory count from 0 at its start and never fall",
-            )
 
 
 def _limit_flaws(a: Waypoint, b: Waypoint, kinematics: Kinematics) -> Iterator[Flaw]:

@@ -1,8 +1,13 @@
+import copy
 import ctypes
+import json
 import os
 import signal
+import sqlite3
 import time
+import tomllib
 import warnings
+from contextlib import closing, suppress
 
 import numpy as np
 import pytest
@@ -15,8 +20,10 @@ from benchmarks.fuzz.judging import Outcome, Verdict, judge
 from benchmarks.fuzz.mutations import MAX_BYTES
 from benchmarks.fuzz.processes import Campaign
 from benchmarks.fuzz.report import Report
+from benchmarks.fuzz.tables import of_sqlite
 from benchmarks.fuzz.target import Target
 from benchmarks.fuzz.targets import TARGETS
+from benchmarks.fuzz.trees import changed, of_json, of_toml
 from multisrt.environments.environment import Environment
 from multisrt.geometry.errors import MapFormatError
 
@@ -165,6 +172,52 @@ def test_the_command_prints_a_table_and_reads_again(tmp_path, capsys, monkeypatc
         main(["--format", "wkt", "--number", "1"])
     assert "read in" in capsys.readouterr().out
     assert (tmp_path / "out/fuzz/wkt-0-1.wkt").is_file()
+
+
+def test_the_command_writes_a_page(tmp_path):
+    path = tmp_path / "fuzz.md"
+    with pytest.raises(SystemExit):
+        main(["--inputs", "10", "--seed", "3", "--format", "wkt", "--page", str(path)])
+    lines = path.read_text().splitlines()
+    assert lines[2].startswith("10 inputs of 1 formats, 0 failed.")
+    assert [line.split()[1:4] for line in lines if line.startswith("| `wkt`")] == [
+        ["`wkt`", "|", "10"]
+    ]
+    made_by = "python -m benchmarks.fuzz --inputs 10 --seed 3 --format wkt"
+    assert f"{made_by} --page docs/results/fuzz.md" in lines
+
+
+def test_trees_are_changed_and_written_again():
+    rng = np.random.default_rng(1)
+    before = {"a": [1, 2, {"b": None}], "c": "text"}
+    found = {json.dumps(changed(copy.deepcopy(before), rng)) for _ in range(200)}
+    assert len(found) > 100
+    for mutate, read in ((of_toml, tomllib.loads), (of_json, json.loads)):
+        text = b'{"a": [1, 2]}' if mutate is of_json else b"a = [1, 2]"
+        made = [mutate(text, rng, [text], ()) for _ in range(50)]
+        assert sum(_can(read, content.decode(errors="replace")) for content in made) > 20
+
+
+def _can(read, content):
+    try:
+        read(content)
+    except ValueError:
+        return False
+    return True
+
+
+def test_stores_are_made_of_sql_and_damaged_as_tables():
+    target = TARGETS["campaign_store"]
+    [(suffix, content)] = target.seeds
+    assert suffix == ".sqlite"
+    rng = np.random.default_rng(1)
+    opened = 0
+    for _ in range(50):
+        with closing(sqlite3.connect(":memory:")) as connection:
+            connection.deserialize(of_sqlite(content, rng, [content], target.words))
+            with suppress(sqlite3.Error, UnicodeDecodeError):
+                opened += bool(connection.execute("SELECT count(*) FROM sqlite_master").fetchone())
+    assert opened > 30
 
 
 def test_the_limit_of_time_counts_the_processor(tmp_path, monkeypatch):

@@ -355,6 +355,17 @@ def test_tables_that_are_not_ours_are_refused(filled, change):
         Store.create_or_open(filled, SPEC)
 
 
+def test_a_key_that_its_index_lacks_is_told(filled):
+    with sqlite3.connect(filled) as connection:
+        (key,) = connection.execute("SELECT key FROM runs ORDER BY position").fetchone()
+    content = filled.read_bytes()
+    assert content.count(key.encode()) == 2  # in the table, and in its index
+    at = content.index(key.encode() + b"open")
+    filled.write_bytes(content[:at] + b"?" + content[at + 1 :])
+    with pytest.raises(InvalidInputError, match="is in its table and not in its index"):
+        Store.create_or_open(filled, SPEC)
+
+
 def test_names_of_tables_that_are_no_text_are_told(filled):
     filled.write_bytes(filled.read_bytes().replace(b"TABLE runs", b"TABLE r\xc7ns"))
     assert labels_in(filled) == []

@@ -334,8 +334,8 @@ def test_whole_numbers_are_recorded_as_their_field_declares(act):
 @pytest.mark.parametrize(
     ("waypoints", "said"),
     [
-        (((0.0, 0.0), (2.0, 0.0), (1.0, 0.0)), "the times of a motion's waypoints never fall"),
-        (((1.0, 0.0), (2.0, 0.0)), "its trajectory begins at 1 s"),
+        (((0.0, 0.0), (2.0, 0.0), (1.0, 0.0)), "waypoint 2 of its trajectory is at 1 s, after 2 s"),
+        (((1.0, 0.0), (2.0, 0.0)), "waypoint 0 of its trajectory is at 1 s, after 0 s"),
         (((0.0, 0.0), (1.0, 15.0)), "a leg of a motion turns by more than"),
     ],
 )

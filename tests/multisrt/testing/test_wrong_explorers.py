@@ -42,7 +42,7 @@ TOLD = {
     ),
     "SendsWhatCannotBeWritten": (
         "the robot in 'two rooms', action 2: it sent a message that cannot be written: "
-        "Hello.content[1] is Generator(PCG64) at ADDRESS, a Generator; messages hold "
+        "Hello.content[1] is Generator(PCG64), a Generator; messages hold "
         "numbers, text, tuples, structures and read-only numpy arrays"
     ),
     "ChangesItsMessage": (

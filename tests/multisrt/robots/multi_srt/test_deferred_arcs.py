@@ -326,8 +326,8 @@ def test_a_dead_robot_in_the_only_way_leaves_the_map_open(events_of, strategy):
 
 @pytest.mark.slow
 def test_jammed_balls_in_the_garden_do_not_call_their_map_complete(events_of):
-    # At 127 s a jammed robot plans around its idle neighbours, behind which is all that is left:
-    # four arcs. It must not call its map complete then, with most of the garden to come.
+    # They stand in each other's way at first, with most of the garden behind their neighbours, and
+    # must not call their map complete then.
     # Nodes a whole body apart, as there are hardly any places between them.
     spec = RunSpec(
         environment=CatalogEnvironment(name="garden"),
@@ -342,12 +342,11 @@ def test_jammed_balls_in_the_garden_do_not_call_their_map_complete(events_of):
     assert recording.footer.outcome == "out_of_time"
     blocked = [e for e in events_of(recording, ArcClosed) if e.reason == "blocked by a robot"]
     reopened = events_of(recording, ArcReopened)
-    assert len(blocked) > 3
     assert {(e.robot, e.node, e.arc) for e in reopened} <= {
         (e.robot, e.node, e.arc) for e in blocked
     }
-    assert len(reopened) > 3
     assert events_of(recording, MapComplete) == []
-    later = [e for e in events_of(recording, NodeAdded) if e.time_s > blocked[0].time_s]
-    assert len(later) > 100
+    later = [e for e in events_of(recording, NodeAdded) if e.time_s > 127.0]
+    assert {e.robot for e in later} == set(range(6))
+    assert len(later) > 200
     assert all(math.isfinite(e.frontier_m) for e in events_of(recording, Decision))

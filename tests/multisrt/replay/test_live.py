@@ -63,7 +63,8 @@ class Live(Shown):
         """Wait for something, and keep the page from being read anew meanwhile."""
         self.until(f"({expression}) && (replay.live.isHeld = true)")
         yield
-        self.value("replay.live.isHeld = false")
+        # A page that is just read anew is not held.
+        self.value(f"{READY} && (replay.live.isHeld = false)")
 
 
 def test_it_follows_the_run_to_its_end_and_keeps_what_is_chosen(page):

@@ -18,7 +18,7 @@ import msgspec
 from multisrt.campaign.invariants.completeness import BOXED_IN, COMPLETE
 from multisrt.campaign.invariants.waiting import NAME as WAITS
 from multisrt.campaign.store import CampaignStore, Row
-from multisrt.campaign.summary import StrategySummary, summary
+from multisrt.campaign.summary import summary
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.presets.summary import markdown_table
 from multisrt.recording import atomic_write
@@ -85,17 +85,19 @@ class Campaign(msgspec.Struct, frozen=True, kw_only=True):
 
 def campaign_of(path: Path) -> Campaign:
     """Return what the campaign of a file came to."""
+    by_strategy: dict[str, list[Row]] = {}
     with CampaignStore.open(path) as store:
-        rows = list(store.rows())
-        found = {
-            each.strategy: _totals(each, [row for row in rows if row.strategy == each.strategy])
-            for each in summary(rows)[:-1]
-        }
-        return Campaign(program=store.program[:12], seed=store.seed, strategies=found)
+        for row in store.rows():
+            by_strategy.setdefault(row.strategy, []).append(row)
+        return Campaign(
+            program=store.program[:12],
+            seed=store.seed,
+            strategies={name: _totals(rows) for name, rows in sorted(by_strategy.items())},
+        )
 
 
-def _totals(told: StrategySummary, rows: Iterable[Row]) -> Totals:
-    rows = list(rows)
+def _totals(rows: Sequence[Row]) -> Totals:
+    told = summary(rows)[-1]
     return Totals(
         missions=told.missions,
         refused=told.refused,

@@ -29,9 +29,12 @@ FACTOR: Final = 4.0
 LENGTH_FACTOR: Final = 2.0
 """The same for the smallest of a length: cells of half the width already are four times as many."""
 
-HASTY, HASTE = 0.15, (3.0, 12.0)
-"""Share of draws with shorter waits and limits of time, and by what factors they are shorter: a
-robot that waits for ever shows in a run that goes on for longer than all of these together."""
+SHORT_WAITS: Final = 0.15
+"""Share of draws with shorter waits: a robot that waits for ever shows in a run that goes on for
+longer than all waits together."""
+
+SHORTER: Final = (3.0, 12.0)
+"""Smallest and largest factor by which they are shorter."""
 
 NONE: Final = "none"
 """None, as it is written in a spec."""
@@ -67,8 +70,8 @@ def draw_options(
     fields = _fields(strategy.options)
     found = {name: value for name, value in (given or {}).items() if name in fields}
     found = {name: value for name, value in found.items() if _takes(strategy, {name: value})}
-    if chance.happens(HASTY):
-        found |= _hasty(strategy, fields, chance.magnitude(*HASTE))
+    if chance.happens(SHORT_WAITS):
+        found |= _short_waits(strategy, fields, chance.magnitude(*SHORTER))
     free = [name for name in fields if name not in found]
     for name in chance.some_of(free, min(chance.weighted(NUMBERS), len(free))):
         for _ in range(MAX_TRIES):
@@ -81,7 +84,7 @@ def draw_options(
     return found
 
 
-def _hasty(
+def _short_waits(
     strategy: Strategy, fields: Mapping[str, inspect.Field], factor: float
 ) -> dict[str, Scalar]:
     """Return options with all times but periods divided by a factor."""

@@ -308,7 +308,7 @@ def _is_sequence(value: Any) -> bool:
 
 def _is_writable(text: str) -> bool:
     # Halves of surrogate pairs have no form in UTF-8.
-    return text == text.encode(errors="replace").decode()
+    return text.isascii() or text == text.encode(errors="replace").decode()
 
 
 def _is_single(value: object) -> bool:

@@ -58,6 +58,10 @@ APPROACH_DIRECTIONS: Final = 72
 INWARD_M: Final = 1e-4
 """Distance inside the known region from which a frontier arc is looked at, in metres."""
 
+LATTICE_STEPS: Final = (0.25, 0.125)
+"""Steps of the lattices of viewing places, as shares of `d_min_m`. The finer is used where all
+places on the other have been looked from."""
+
 
 Accept = Callable[[float, float], str | None]
 """Returns why a candidate at x, y is refused; None to accept it."""
@@ -321,12 +325,33 @@ class SrtPlanner:
         ViewingPlace or str
             The place and the path there, or why there is none; see `Refusal`.
         """
+        found: ViewingPlace | Refusal = "seen from near"
+        for step in LATTICE_STEPS:
+            if found == "seen from near":
+                places = lattice(within_m, step * self.d_min_m)
+                found = self._place_on(
+                    places, arc, known, nodes, leads, bodies, past_bodies=past_bodies
+                )
+        return found
+
+    def _place_on(
+        self,
+        around: FloatArray,
+        arc: FloatArray,
+        known: KnownSpace,
+        nodes: Sequence[Viewpoint],
+        leads: Leads | None,
+        bodies: FloatArray | None,
+        *,
+        past_bodies: bool,
+    ) -> ViewingPlace | Refusal:
+        # A place out of those around the points of an arc.
         reasons: list[Refusal] = []
         for x, y, left_x, left_y in arc_points(arc, self.d_min_m):
             x_inside, y_inside = x + left_x * INWARD_M, y + left_y * INWARD_M
             if not known.holds(np.array([[x_inside, y_inside]]))[0]:
                 continue
-            places = np.array([x, y]) + lattice(within_m, self.d_min_m / 4.0)
+            places = np.array([x, y]) + around
             places = places[known.sees(x_inside, y_inside, places)]
             # Places with room for the whole margin come first.
             room = known.clearances(places, self.body.ample_radius_m)

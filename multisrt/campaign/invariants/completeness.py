@@ -51,6 +51,10 @@ CELLS_BEYOND: Final = 4.0
 SRT_SLACK_M: Final = 0.02
 """A body of the SRT family keeps off walls by this much more than its margin, in metres."""
 
+SRT_LATTICE: Final = 0.09
+"""A lattice of viewing places of the SRT family holds one in any disc of this radius; as a share
+of `d_min_m`."""
+
 SRT_LEAST_M: Final = 0.1
 """A frontier of the SRT family is longer than a body is wide by this, in metres."""
 
@@ -81,8 +85,8 @@ def complete_is_complete(run: JudgedRun) -> Violation | None:
       by its margin and 0.02 m, and off the other bodies at that time, as arcs behind bodies that
       do not answer are left; only frontier of the robot's own tree counts, as trees of others are
       left to others; it does not look from places that are nearer to a node than
-      `completion_spacing` times `d_min_m`, and 0.02 m; unknown parts that hold no disc of 0.05 m
-      are scraps.
+      `completion_spacing` times `d_min_m`, and a cell of the lattice of its places; unknown parts
+      that hold no disc of 0.05 m are scraps.
 
     Where `max_views` is less than 3, or `d_min_m` more than the body's width, arcs that were given
     up as seen from near do not count either: so few views are allowed of so large a spot.
@@ -281,7 +285,7 @@ def _looked_from(run: JudgedRun, robot: int, names: list[NodeName]) -> BaseGeome
         share = 0.5 if run.recording.spec.strategy == "srt-ball" else 1.0
         d_min_m = share * run.bodies[robot].width_m
     places = shapely.points(np.array([run.nodes[name].configuration[:2] for name in names]))
-    near_m = run.options["completion_spacing"] * d_min_m + SRT_SLACK_M
+    near_m = (run.options["completion_spacing"] + SRT_LATTICE) * d_min_m + SRT_SLACK_M
     return shapely.union_all(shapely.buffer(places, near_m))
 
 

@@ -42,6 +42,7 @@ from multisrt.planners.motion.kinematics import Kinematics
 from multisrt.planners.motion.steering import reach, reach_fan
 from multisrt.planners.srt_options import SrtOptions
 from multisrt.planners.viewing import (
+    MAX_ASKED,
     REFUSALS,
     Leads,
     PlaceFinder,
@@ -49,6 +50,7 @@ from multisrt.planners.viewing import (
     ViewingPlace,
     Viewpoint,
     arc_points,
+    asked_at_most,
     lattice,
 )
 
@@ -314,7 +316,7 @@ class SrtPlanner:
             All nodes near by.
         leads : callable, optional
             For a body that does not drive straight: whether a path leads from a node, given by its
-            index, to a place x, y and back.
+            index, to a place x, y and back; asked at most `MAX_ASKED` times.
         bodies : (m, 3) array, optional
             x, y and required distance of bodies that stand in the way for good.
         past_bodies : bool
@@ -326,6 +328,8 @@ class SrtPlanner:
             The place and the path there, or why there is none; see `Refusal`.
         """
         found: ViewingPlace | Refusal = "seen from near"
+        if leads is not None:
+            leads = asked_at_most(leads, MAX_ASKED)
         for step in LATTICE_STEPS:
             if found == "seen from near":
                 places = lattice(within_m, step * self.d_min_m)

@@ -38,7 +38,10 @@ BATCH_PATHS: Final = 64 * NEAREST_NODES
 """Number of paths in each further batch."""
 
 MAX_ASKED: Final = 24
-"""Bounds the questions whether a path leads to a place, for each point of an arc."""
+"""Bounds the questions whether a path leads to a place, for each arc and window."""
+
+ASKED_NODES: Final = 4
+"""Number of nodes, the nearest, of which it is asked for each place."""
 
 MAX_POINTS: Final = 7
 """Maximum number of points along an arc from which it is looked at."""
@@ -115,8 +118,8 @@ class PlaceFinder:
         nodes : sequence of Viewpoint
             All nodes near by.
         leads : callable, optional
-            Decides instead, for a body that does not drive straight; asked at most `MAX_ASKED`
-            times.
+            Decides instead, for a body that does not drive straight. It is asked of no place that
+            is nearer than `spacing_m` to one to which no path leads.
         bodies : (m, 3) array, optional
             x, y and required distance of bodies that paths must not pass.
 
@@ -184,15 +187,14 @@ class PlaceFinder:
     def _first_asked_for(
         self, places: FloatArray, spots: FloatArray, leads: Leads
     ) -> ViewingPlace | Refusal:
-        asked = 0
-        for x, y in places.tolist():
+        while len(places):
+            x, y = places[0].tolist()
             distances = np.hypot(spots[:, 0] - x, spots[:, 1] - y)
-            for k in np.argsort(distances, kind="stable")[:NEAREST_NODES].tolist():
-                if asked == MAX_ASKED:
-                    return "not reachable"
-                asked += 1
+            for k in np.argsort(distances, kind="stable")[:ASKED_NODES].tolist():
                 if leads(k, x, y):
                     return ViewingPlace(x, y, k, roomy=False)
+            apart = np.hypot(*(places[1:] - places[0]).T) >= self.spacing_m
+            places = places[1:][apart]
         return "not reachable"
 
     def _is_narrow(self, node: Viewpoint) -> bool:
@@ -238,6 +240,12 @@ def arc_points(arc: FloatArray, spacing: float) -> list[tuple[float, float, floa
         x, y = (arc[i, :2] + t * (arc[i, 2:] - arc[i, :2])).tolist()
         points.append((x, y, -dy / float(lengths[i]), dx / float(lengths[i])))
     return sorted(points, key=lambda point: abs(points.index(point) - pairs))
+
+
+def asked_at_most(leads: Leads, times: int) -> Leads:
+    """Return a function that asks whether a path leads to a place, but no more than some times."""
+    answers_left = iter(range(times))
+    return lambda node, x, y: next(answers_left, None) is not None and leads(node, x, y)
 
 
 @lru_cache(maxsize=16)

@@ -15,7 +15,7 @@ from multisrt.planners.motion.body import PlanningBody
 from multisrt.planners.motion.kinematics import Holonomic
 from multisrt.planners.srt import SrtPlanner
 from multisrt.planners.srt_options import SrtOptions
-from multisrt.planners.viewing import ViewingPlace, arc_points
+from multisrt.planners.viewing import MAX_ASKED, ViewingPlace, arc_points
 
 
 def planner(footprint: str = "disc:0.25") -> SrtPlanner:
@@ -86,6 +86,21 @@ def test_viewing_place_may_be_reached_on_curves():
     assert [node for node, *_ in asked] == [1, 0, 1, 0]
     asked.clear()
     assert viewing_place(ARC, free, 3.0, nodes, lambda *_: False) == "not reachable"
+
+
+def test_places_to_which_no_path_leads_are_not_asked_for_again_close_by():
+    asked = []
+
+    def leads(node, x, y):
+        asked.append((x, y))
+        return False
+
+    nodes = standing_at((1.0, 2.0), (5.0, 1.0))
+    viewing_place(ARC, shapely.box(0, 0, 6, 4), 3.0, nodes, leads)
+    assert len(asked) == MAX_ASKED
+    places = np.array(asked[::2])  # each is asked for from both nodes
+    apart = np.hypot(*(places[:4, None] - places[None, :4]).transpose(2, 0, 1))
+    assert apart[np.triu_indices(4, 1)].min() >= 0.25 - 1e-12
 
 
 @given(
@@ -172,3 +187,12 @@ def test_points_of_an_arc_begin_at_its_middle():
         np.array([(3.0, 1.0, 0.0, -1.0), (4.0, 0.5, -1.0, 0.0), (1.5, 1.0, 0.0, -1.0)])
     )
     assert len(arc_points(arc, 0.01)) == 7
+
+
+def test_a_finer_lattice_where_all_other_places_have_been_looked_from():
+    # The middle of the disc is at most at x = 5.748. At 5.625 it is 0.225 m from the node, nearer
+    # than half of d_min; between there and the next step of the coarser lattice it is not.
+    free = shapely.box(5.1, 1.74, 6.0, 2.26)
+    arc = np.array([(6.0, 1.9, 6.0, 2.1)])
+    found = viewing_place(arc, free, 3.0, standing_at((5.4, 2.0)))
+    assert found == ViewingPlace(5.6875, 2.0, 0, roomy=True)

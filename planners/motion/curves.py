@@ -151,10 +151,10 @@ def state_space(reverse: bool, radius_m: float) -> Any:
 
 
 def set_state(state: Any, configuration: Configuration) -> None:
-    """Assign a configuration to a state of OMPL."""
+    """Assign a configuration to a state of OMPL, whose headings are less than pi."""
     state.setX(configuration.x)
     state.setY(configuration.y)
-    state.setYaw(configuration.heading)
+    state.setYaw(configuration.heading if configuration.heading < math.pi else -math.pi)
 
 
 def _legs(a: Waypoint, x: float, y: float, turn: float, duration_s: float) -> list[Waypoint]:

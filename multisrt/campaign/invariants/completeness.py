@@ -81,12 +81,12 @@ def complete_is_complete(run: JudgedRun) -> Violation | None:
     - bidding: `min_frontier_m` (the body's width by default) and four cells. The body stands three
       cells from it, as goals are cells at the frontier; paths are 1.5 cells from the unknown and
       two cells and the margin from walls; unknown parts that hold no disc of a cell are scraps;
-    - SRT: the body's width and 0.1 m, within the range; the body is off walls and off the unknown
-      by its margin and 0.02 m, and off the other bodies at that time, as arcs behind bodies that
-      do not answer are left; only frontier of the robot's own tree counts, as trees of others are
-      left to others; it does not look from places that are nearer to a node than
-      `completion_spacing` times `d_min_m`, and a cell of the lattice of its places; unknown parts
-      that hold no disc of 0.05 m are scraps.
+    - SRT: the body's width and 0.1 m, within the range, or with `srt-ball` within the ball at the
+      place; the body is off walls and off the unknown by its margin and 0.02 m, and off the other
+      bodies at that time, as arcs behind bodies that do not answer are left; only frontier of the
+      robot's own tree counts, as trees of others are left to others; it does not look from places
+      that are nearer to a node than `completion_spacing` times `d_min_m`, and a cell of the
+      lattice of its places; unknown parts that hold no disc of 0.05 m are scraps.
 
     Where `max_views` is less than 3, or `d_min_m` more than the body's width, arcs that were given
     up as seen from near do not count either: so few views are allowed of so large a spot.
@@ -226,6 +226,7 @@ def reach_of(run: JudgedRun, robot: int) -> Reach:
             blind_m=blind_m,
             sees_m=finder.range_m - SRT_LEAST_M,
             least_m=width_m + SRT_LEAST_M,
+            is_ball=run.recording.spec.strategy == "srt-ball",
         )
     cell_m, least_m = options["cell_m"], options["min_frontier_m"]
     return Reach(

@@ -69,6 +69,8 @@ class Reach:
         From how far away it looks at a frontier.
     least_m : float
         Shorter stretches are none.
+    is_ball : bool
+        Whether its regions are balls: from a place it sees no farther than the next wall.
     """
 
     off_walls_m: float
@@ -77,6 +79,7 @@ class Reach:
     blind_m: float
     sees_m: float
     least_m: float
+    is_ball: bool = False
 
 
 def open_frontiers(
@@ -134,7 +137,7 @@ def open_frontiers(
         if only is not None:
             near = near.intersection(only)
         for stretch in _stretches(near):
-            found += _seen(run, stretch, standing, reach, float(part.area))
+            found += _seen(run, space, stretch, standing, reach, float(part.area))
     return sorted(found, key=lambda one: -one.length_m)
 
 
@@ -190,7 +193,12 @@ def _stretches(lines: BaseGeometry) -> list[LineString]:
 
 
 def _seen(
-    run: JudgedRun, stretch: LineString, standing: BaseGeometry, reach: Reach, area_m2: float
+    run: JudgedRun,
+    space: Polygon,
+    stretch: LineString,
+    standing: BaseGeometry,
+    reach: Reach,
+    area_m2: float,
 ) -> list[OpenFrontier]:
     # The longest run of points of a stretch that are in sight of the places next to them.
     if stretch.length < reach.least_m:
@@ -199,9 +207,10 @@ def _seen(
     shares = (np.arange(count) + 0.5) / count
     points = shapely.line_interpolate_point(stretch, shares, normalized=True)
     sights = shapely.shortest_line(points, standing)
-    is_seen = (shapely.length(sights) <= reach.sees_m) & np.asarray(
-        shapely.covers(run.walls.grown, sights)
-    )
+    lengths = shapely.length(sights)
+    is_seen = (lengths <= reach.sees_m) & np.asarray(shapely.covers(run.walls.grown, sights))
+    if reach.is_ball:
+        is_seen &= lengths <= shapely.distance(shapely.get_point(sights, -1), space.boundary)
     begin, length = _longest_run(is_seen)
     length_m = length / count * float(stretch.length)
     if length_m < reach.least_m:

@@ -392,11 +392,18 @@ def intersect_pieces(
             if is_whole or min(end, last) - max(begin, first) > MIN_REMAINDER_M:
                 for c in range(4):
                     common[kept, c] = pieces[i, c]
-                if begin > first:
+                if begin > first or (begin == first and _is_on(pieces[i, :2], rest[r, :2], ux, uy)):
                     common[kept, 0], common[kept, 1] = rest[r, 0], rest[r, 1]
-                if end < last:
+                if end < last or (end == last and _is_on(rest[r, 2:], pieces[i, 2:], ux, uy)):
                     common[kept, 2], common[kept, 3] = rest[r, 2], rest[r, 3]
                 origin[kept] = i
                 kept += 1
             r += 1
     return common[:kept], origin[:kept]
+
+
+@inlined_kernel
+def _is_on(a: FloatArray, b: FloatArray, ux: float, uy: float) -> bool:
+    # Whether a point b is farther on in a direction than a, where rounding makes them equally far.
+    # Of points at two lengths along a segment, no coordinate of the farther one is farther back.
+    return ux * b[0] > ux * a[0] or uy * b[1] > uy * a[1]

@@ -89,13 +89,16 @@ def complete_is_complete(run: JudgedRun) -> Violation | None:
       lattice of its places; unknown parts that hold no disc of 0.05 m are scraps.
 
     Where `max_views` is less than 3, or `d_min_m` more than the body's width, arcs that were given
-    up as seen from near do not count either: so few views are allowed of so large a spot.
+    up as seen from near do not count either: so few views are allowed of so large a spot. Nor do
+    they with `srt-ball`: a ball hardly wider than the body has no places that are not near its node,
+    and its arc is given up before other robots come to know the space around it.
 
-    Unknown parts of less than 0.05 m2 are scraps as well, and with a laser what is so near to a
-    wall that its beams leave it out. Not judged are cars, whose turns are not worked out here:
-    they give up places to which they find no path; bidding robots with `shape=ball`, which drive
-    within the last ball, find no way in one that is as small as a wall is near, and give up all
-    goals; and SRT with `gaps_count=false`, which leaves gaps by its rules.
+    Unknown parts of less than 0.05 m2 are scraps as well, with stars and balls what is within
+    `contact_tolerance_m` of a wall, and with a laser what is so near to a wall that its beams leave
+    it out. Not judged are cars, whose turns are not worked out here: they give up places to which
+    they find no path; bidding robots with `shape=ball`, which drive within the last ball, find no
+    way in one that is as small as a wall is near, and give up all goals; and SRT with
+    `gaps_count=false`, which leaves gaps by its rules.
 
     Cost: some overlays for each robot that says so.
     """
@@ -218,6 +221,8 @@ def reach_of(run: JudgedRun, robot: int) -> Reach:
     blind_m = max(_blind_m(robot.range_finder) for robot in run.recording.spec.robots)
     width_m = body.width_m
     if run.family == "srt":
+        if run.recording.spec.strategy != "srt-radial":
+            blind_m = max(blind_m, options["contact_tolerance_m"])
         off_m = body.circumscribed_m + options["margin_m"] + SRT_SLACK_M
         return Reach(
             off_walls_m=off_m,
@@ -263,7 +268,9 @@ def _bodies(run: JudgedRun, robot: int, begin_s: float, end_s: float) -> BaseGeo
 
 
 def _gives_up_early(run: JudgedRun, robot: int) -> bool:
-    # Whether options let the third stage give up a spot that a few views do not show.
+    # Whether the third stage gives up a spot by its rules that a few views do not show.
+    if run.recording.spec.strategy == "srt-ball":
+        return True
     d_min_m, width_m = run.options["d_min_m"], run.bodies[robot].width_m
     return run.options["max_views"] < DEFAULT_VIEWS or (d_min_m is not None and d_min_m > width_m)
 

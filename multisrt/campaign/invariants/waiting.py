@@ -48,8 +48,8 @@ def waits_within_limits(run: JudgedRun) -> Violation | None:
     This holds for robots that wait for a dead one, as these wait for nothing else. Of bidding
     robots that neither go in pairs or chains nor pursue each other it holds for each robot by
     itself, whatever the others do; robots of the SRT family wait for the end of others. A run
-    that its stop rule ended as nothing new came is a violation if the limits are shorter than
-    it.
+    that its stop rule ended as nothing new came is a violation if what is allowed in that time is
+    shorter than it.
 
     Cost: negligible.
     """
@@ -64,9 +64,11 @@ def waits_within_limits(run: JudgedRun) -> Violation | None:
             allowed_s = limit_s + _tried(run, team, begin_s, end_s)
             if end_s - begin_s > allowed_s:
                 return _violation(run, team, begin_s, end_s, allowed_s)
-    reason = run.recording.footer.reason
-    if NOTHING_NEW in reason and run.recording.spec.stop.max_idle_s >= limit_s:
-        return Violation(invariant=NAME, says=reason)
+    reason, idle_s = run.recording.footer.reason, run.recording.spec.stop.max_idle_s
+    if NOTHING_NEW in reason:
+        tried_s = _tried(run, list(run.robots), run.end_s - idle_s, run.end_s)
+        if idle_s >= limit_s + tried_s:
+            return Violation(invariant=NAME, says=reason)
     return None
 
 

@@ -89,10 +89,14 @@ class Trees:
         yield from self.tell_when_complete()
 
     def add_passing(self, region: LocalSafeRegion, step: Step, driven: Trajectory) -> Steps:
-        """ADD: a scan taken on the way to a new place as a node; the robot continues."""
+        """ADD: a scan taken on the way to a new place as a node; the robot continues.
+
+        A car that cannot reverse knows no motion back from there: the node has no edge yet.
+        """
         node = self._new_node(region, step.parent)
-        back = driven.reversed() if self.roadmap.is_car and self.roadmap.can_reverse else None
-        self.roadmap.add(node, OutAndBack(driven, back), step.roomy)
+        back = driven.reversed() if self.roadmap.is_car else None
+        came = OutAndBack(driven, back) if self.roadmap.can_reverse else None
+        self.roadmap.add(node, came, step.roomy)
         yield Note(node.added("passed"))
 
     def _new_node(self, region: LocalSafeRegion, parent: NodeId | None) -> Node:

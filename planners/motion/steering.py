@@ -21,6 +21,12 @@ from multisrt.planners.motion.trajectory import Trajectory
 MIN_SAVED_S = 1e-6
 """Minimum time in seconds that a curve has to save."""
 
+PULL_OUT_STEPS = 32
+"""Number of distances at which room to turn is looked for, up to four radii of the body."""
+
+PULL_OUT_TURNS = tuple(sign * math.radians(k) for k in range(0, 95, 5) for sign in (1, -1))[1:]
+"""Turns before a body drives to where it has room to turn, in radians, the smallest first."""
+
 
 def reach(
     body: PlanningBody,
@@ -178,6 +184,52 @@ def _quickest_curve(
         return None
     quicker.sort(key=lambda curve: curve.duration_s)
     return next((curve for curve in quicker if room.lets_pass(curve.waypoints)), None)
+
+
+def to_room_to_turn(
+    body: PlanningBody, kinematics: Differential, boundary: FloatArray, start: Configuration
+) -> Trajectory | None:
+    """Return a straight motion, after the smallest turn, to where a body fits in any heading.
+
+    Parameters
+    ----------
+    body, kinematics
+        The body that moves, and how.
+    boundary : (n, 2) array
+        The region in metres; it contains the body.
+    start : Configuration
+        Configuration of the body, in which it has no room to turn in place.
+
+    Returns
+    -------
+    Trajectory or None
+        The shortest after that turn, forwards or backwards; None if the body has room already, or
+        no such motion of up to four of its radii stays in the region.
+
+    Examples
+    --------
+    >>> from multisrt.geometry.bodies.footprint import Footprint
+    >>> body = PlanningBody(Footprint.parse("box:0.6x0.4"), margin_m=0.02)
+    >>> square = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]])
+    >>> motion = to_room_to_turn(body, Differential(), square, Configuration(0.35, 2.0, 0.0))
+    >>> motion.start.x < motion.end.x, body.has_room(square, motion.end)
+    (True, True)
+    """
+    if body.has_room(boundary, start):
+        return None
+    steps = np.arange(1, PULL_OUT_STEPS + 1) * (4.0 * body.outer_radius_m / PULL_OUT_STEPS)
+    for turn in PULL_OUT_TURNS:
+        if not body.can_turn(boundary, start, turn):
+            continue
+        turned = kinematics.turn(start, turn)
+        for distance in steps.tolist():
+            for direction in (start.heading + turn, start.heading + turn + math.pi):
+                x = start.x + distance * math.cos(direction)
+                y = start.y + distance * math.sin(direction)
+                has_room = body.has_room(boundary, Configuration(x, y, turned.end.heading))
+                if has_room and body.passes(boundary, turned.end, direction, distance):
+                    return turned.then(kinematics.drive(turned.end, x, y))
+    return None
 
 
 def turn_and_drive(

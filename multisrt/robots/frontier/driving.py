@@ -8,6 +8,8 @@ from typing import Final
 
 from multisrt.events import Purpose
 from multisrt.geometry.numerics.kernel import FloatArray
+from multisrt.planners.motion.kinematics import Differential
+from multisrt.planners.motion.steering import to_room_to_turn
 from multisrt.planners.motion.trajectory import Trajectory
 from multisrt.planners.navigation.path_following import ahead, follow
 from multisrt.robots.explorer import Action, Move, Moved, Outcome, Sighting, Stop
@@ -76,6 +78,8 @@ def drive(
             return reason
         path = ahead(path, robot.at)
         ended = yield from drive_leg(robot, path, purpose)
+        if ended is Event.NO_WAY:
+            ended = yield from pull_out(robot, purpose)
         if ended is not None:
             return ended
 
@@ -115,9 +119,41 @@ def drive_leg(
         motion = yield from car.motion_along(path)
     if motion is None:
         return Event.NO_WAY
+    return (yield from _make(robot, motion, purpose))
+
+
+def pull_out(
+    robot: FrontierRobot, purpose: Purpose
+) -> Generator[Action, Outcome, Event | Sighting | None]:
+    """Drive straight on or back to where a body that is no disc has room to turn in place.
+
+    A robot does so once at a place, from which no leg of a path begins, as its corners would touch.
+
+    Returns
+    -------
+    Event or Sighting or None
+        As `drive_leg` returns it.
+    """
+    drive = robot.me.kinematics
+    here = robot.at[:2]
+    if not isinstance(drive, Differential) or any(
+        math.dist(here, place) < robot.options.cell_m for place in robot.pulled_out_from
+    ):
+        return Event.NO_WAY
+    motion = to_room_to_turn(robot.body, drive, robot.map.boundary, robot.at)
+    if motion is None:
+        return Event.NO_WAY
+    robot.pulled_out_from.append(here)
+    return (yield from _make(robot, motion, purpose))
+
+
+def _make(
+    robot: FrontierRobot, motion: Trajectory, purpose: Purpose
+) -> Generator[Action, Outcome, Sighting | None]:
+    # Make a motion until the next scan, and take it. Return before whom it ended, if anybody.
     moved = yield from carry_out(robot, motion.until(robot.options.sense_period_s), purpose)
-    if car is not None:
-        car.note_driven(moved, robot.course.set_out_s)
+    if robot.car is not None:
+        robot.car.note_driven(moved, robot.course.set_out_s)
     yield from robot.perceive(maps=robot.options.sense == "moving")
     return moved.blocked_by
 

@@ -83,6 +83,8 @@ class FrontierRobot:
         What takes it to mates that are out of touch, if anything does.
     car : CarDriver or None
         Plans its motions, if it is a car.
+    pulled_out_from : list of (x, y)
+        Where it had no room to turn, and drove straight to where it has.
 
     Raises
     ------
@@ -99,6 +101,7 @@ class FrontierRobot:
         self.body = PlanningBody(me.footprint, 0.5 * options.margin_m)
         self._watch = watch
         self._told_complete = False
+        self.pulled_out_from: list[tuple[float, float]] = []
         # When a scan was last added to the map, and the last scan if it was not.
         self._mapped_s = -math.inf
         self._not_mapped: Scan | None = None

@@ -19,8 +19,9 @@ def remaining_frontier(recording: Recording) -> dict[int, tuple[Segment, ...]]:
     """Return the frontier that each robot left open.
 
     For a robot that ended it is what its last `Ended` says. For one that did something after its
-    last end, or died or was cut off before any, it is the part of the frontiers of its nodes that
-    no region of the team covers, without the arcs that any robot gave up for good.
+    last end, or died or was cut off before any, or ended before it was complete without saying what
+    it left, as one that went home in time, it is the part of the frontiers of its nodes that no
+    region of the team covers, without the arcs that any robot gave up for good.
 
     Parameters
     ----------
@@ -74,7 +75,11 @@ def _said(recording: Recording) -> dict[int, tuple[Segment, ...]]:
             last.setdefault(event.robot, event)
             if len(last) == len(recording.starts):
                 break
-    return {robot: event.frontier for robot, event in last.items() if isinstance(event, Ended)}
+    return {
+        robot: event.frontier
+        for robot, event in last.items()
+        if isinstance(event, Ended) and (event.complete or event.frontier)
+    }
 
 
 def _team_map(recording: Recording) -> ExplorationMap:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import shapely
 
+import multisrt as ms
 from multisrt.analysis.remaining_frontier import arcs_given_up, remaining_frontier
 from multisrt.drawing import tree_svg
 from multisrt.environments.catalog import environment
@@ -131,3 +132,21 @@ def test_an_arc_blocked_by_a_robot_stays_open_and_may_be_taken_up_again():
     svg = tree_svg(again)
     assert f"frontier given up: {reason}" not in texts(svg)
     assert len(layers(svg)["robot 1: frontier given up"]) == 0
+
+
+def test_frontier_left_by_a_robot_that_went_home_in_time():
+    # A corridor of 60 m in 100 s, there and back: all of the rest lies behind the open frontier.
+    corridor = ms.Environment("corridor", shapely.box(0.0, 0.0, 60.0, 1.2))
+    for strategy in ("minpos", "srt-radial"):
+        done = ms.explore(
+            corridor,
+            strategy=strategy,
+            start=(1.0, 0.6),
+            base=(1.0, 0.6),
+            radio_range_m=3.0,
+            options={"home": "in-time"},
+            max_time_s=100.0,
+        )
+        assert done.metrics.frontier_left_m == pytest.approx(1.2, abs=0.1)
+        left_m2 = done.metrics.explorable_area_m2 * (1.0 - done.metrics.coverage)
+        assert done.metrics.given_up_m2 == {"left open": pytest.approx(left_m2)}

@@ -90,7 +90,7 @@ def complete_is_complete(run: JudgedRun) -> Violation | None:
 
     Where `max_views` is less than 3, or `d_min_m` more than the body's width, arcs that were given
     up as seen from near do not count either: so few views are allowed of so large a spot. Nor do
-    they with `srt-ball`: a ball hardly wider than the body has no places that are not near its node,
+    they with `srt-ball`: a ball hardly wider than the body has no place that is not near its node,
     and its arc is given up before other robots come to know the space around it.
 
     Unknown parts of less than 0.05 m2 are scraps as well, with stars and balls what is within

@@ -14,6 +14,7 @@ import msgspec
 
 from multisrt.experiments.lock import WriteLock
 from multisrt.geometry.errors import InvalidInputError, escaped, reason_of, shown
+from multisrt.recording import make_folder
 
 APPLICATION = 0x4D535254
 """Application id in the header of the file: "MSRT"."""
@@ -280,6 +281,8 @@ def open_to_write(
 ) -> Opened:
     """Open a file for writing, locked against other writers; create it if there is none.
 
+    Missing folders above it are created, too.
+
     Parameters
     ----------
     path : Path
@@ -295,10 +298,11 @@ def open_to_write(
     Raises
     ------
     InvalidInputError
-        If the file holds something else, or another process writes it.
+        If the file holds something else, another process writes it, or its folder cannot be made.
     """
     if path.exists():
         require_store(path, or_empty=True)
+    make_folder(path.parent)
     lock = WriteLock(path)
     try:
         with errors_of(path):

@@ -9,6 +9,7 @@ from multisrt.campaign.invariants import INVARIANTS
 from multisrt.campaign.lane import EQUAL_DIGEST, REPEATED_EVERY
 from multisrt.campaign.mission import ENDS, JUDGED, NO_ERROR
 from multisrt.campaign.mission_process import HANG_S, HANGS
+from multisrt.geometry.errors import InvalidInputError, did_you_mean, shown
 
 OWN: Final = MappingProxyType(
     {
@@ -42,3 +43,17 @@ def demands() -> dict[str, str]:
     }
     own = {name: f"{text} {judged[name]}" if name in judged else text for name, text in OWN.items()}
     return own | {name: text for name, text in judged.items() if name not in own}
+
+
+def require_invariant(name: str) -> None:
+    """Raise InvalidInputError unless there is an invariant of a name.
+
+    Examples
+    --------
+    >>> require_invariant("no-error")
+    """
+    if name not in (known := demands()):
+        raise InvalidInputError(
+            f"there is no invariant {shown(name)}{did_you_mean(name, known)}; "
+            "'multisrt campaign invariants' lists them"
+        )

@@ -297,12 +297,23 @@ def replay(failure: Path) -> None:
     Exit code:
       0  it does not fail any more   1  it still fails   2  bad input
     """
-    from multisrt.campaign.failure import REPLAY_NAME, folder_of, read_failure
+    from multisrt.campaign.failure import (
+        FAILURE_NAME,
+        REPLAY_NAME,
+        folder_of,
+        read_failure,
+    )
     from multisrt.campaign.lane import replayed
+    from multisrt.campaign.listing import require_invariant
     from multisrt.campaign.shrinking import is_alike
+    from multisrt.geometry.errors import InvalidInputError
 
     found, spec = read_failure(failure)
     folder = folder_of(failure)
+    try:
+        require_invariant(found.invariant)
+    except InvalidInputError as error:
+        raise InvalidInputError(f"{folder / FAILURE_NAME}: {error}") from None
     violations = replayed(spec, folder, found.violation)
     still = [violation for violation in violations if is_alike(violation, found.violation)]
     click.echo(f"failed with: {found.invariant}: {found.says}")

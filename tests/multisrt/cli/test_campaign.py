@@ -185,3 +185,11 @@ def test_every_invariant_is_listed(call):
     names = {line.split()[0] for line in out.splitlines() if line.strip()}
     assert names >= {*INVARIANTS, "no-error", "hangs", "equal-digest", "can-be-judged"}
     assert "Making a run raises no error" in out
+    assert "Check that" not in out
+    assert "No body touches an obstacle" in out
+
+
+def test_numbers_of_a_summary_agree_with_their_verbs(call):
+    _, out, _ = call("run", "--missions", "1")
+    assert "1 mission, 0 of them failed; 0 were repeated" in out
+    assert "; 1 draw was impossible and drawn again" in out

@@ -195,8 +195,8 @@ def page(campaigns: Sequence[Campaign]) -> str:
         "# What campaigns came to",
         f"[Campaigns](../campaign.md) made {made}, drawn over all worlds, "
         f"teams, radios, faults, strategies and options. {failed} an invariant did not hold. "
-        f"{further(every.repeated, every.refused)}. A repeated mission fails unless its recording is "
-        "the same to the byte.",
+        f"{further(every.repeated, every.refused)}. A repeated mission fails unless its recording "
+        "is the same to the byte.",
         markdown_table(COLUMNS, [*rows, _told("all", every)]),
         "- *Stalled* runs ended with frontier left, as robots died, were boxed in, or could not "
         "agree. *Not confirmed* are those of which an oracle that knows the map finds that a "

@@ -124,11 +124,12 @@ class FileKind:
         Raises
         ------
         InvalidInputError
-            If the file holds something else, or the same in another format.
+            If the file holds something else, or the same in another format, or is damaged.
         """
         is_new = _is_new(connection)
         if not is_new:
             self.require(path, connection)
+            self._require_sound(path, connection)
         connection.execute("PRAGMA journal_mode = WAL")
         connection.execute("PRAGMA synchronous = NORMAL")
         if is_new:
@@ -155,6 +156,15 @@ class FileKind:
                 "file"
             )
         self._require_tables(path, connection)
+
+    def _require_sound(self, path: Path, connection: sqlite3.Connection) -> None:
+        # Before anything is computed of which the file could not take the result.
+        (found,) = connection.execute("PRAGMA quick_check(1)").fetchone()
+        if found != "ok":
+            raise InvalidInputError(
+                f"{path}: a damaged file of {self.contents} ({reason_of(ValueError(found))}); "
+                f"{OR_ANOTHER}"
+            )
 
     @property
     def _statements(self) -> list[str]:

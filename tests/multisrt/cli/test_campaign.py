@@ -99,6 +99,7 @@ def test_a_campaign_for_a_time(call, monkeypatch):
     [
         (["run"], "give --missions or --for"),
         (["run", "--for", "2 weeks"], "'2 weeks' is not a duration such as 90s, 15m or 2h"),
+        (["run", "--missions", "x"], "--missions: 'x' is not a whole number; see"),
         (["run", "--for", "0s"], "'0s' is not a duration"),
         (["show", "nothing.sqlite"], "nothing.sqlite"),
         (["replay", "nothing"], "there is no nothing: name the folder of a failure"),

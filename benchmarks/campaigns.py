@@ -7,7 +7,6 @@ before. ``python -m benchmarks.campaigns page`` writes ``docs/results/campaign.m
 
 from __future__ import annotations
 
-import argparse
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -15,13 +14,27 @@ from typing import Final
 
 import msgspec
 
+from benchmarks.arguments import parser_of
 from multisrt.campaign.invariants.completeness import BOXED_IN, COMPLETE
 from multisrt.campaign.invariants.waiting import NAME as WAITS
 from multisrt.campaign.store import CampaignStore, Row
-from multisrt.campaign.summary import summary
-from multisrt.geometry.errors import InvalidInputError
+from multisrt.campaign.summary import further, summary
+from multisrt.geometry.errors import InvalidInputError, counted
 from multisrt.presets.summary import markdown_table
 from multisrt.recording import atomic_write
+
+ABOUT: Final = """What campaigns came to, kept as one line each, and the page about all of them.
+
+add   adds the missions of files of multisrt campaign run to docs/results/campaigns.jsonl, in place
+      of what the same program and seed came to before
+page  writes docs/results/campaign.md
+
+Both take a second."""
+
+EXAMPLES: Final = """
+add out/campaign/missions.sqlite
+page
+""".strip()
 
 ROOT: Final = Path(__file__).parents[1]
 
@@ -177,12 +190,13 @@ def page(campaigns: Sequence[Campaign]) -> str:
     rows = [_told(f"`{name}`", united(found)) for name, found in sorted(by_strategy.items())]
     programs = len({campaign.program for campaign in campaigns})
     failed = "In none of them" if not every.failed else f"In {every.failed:,} of them"
+    made = counted(every.missions, "mission")
     parts = (
         "# What campaigns came to",
-        f"[Campaigns](../campaign.md) made {every.missions:,} missions, drawn over all worlds, "
+        f"[Campaigns](../campaign.md) made {made}, drawn over all worlds, "
         f"teams, radios, faults, strategies and options. {failed} an invariant did not hold. "
-        f"{every.repeated:,} were repeated in another process, with the same recording to the "
-        f"byte. {every.refused:,} draws were impossible and drawn again.",
+        f"{further(every.repeated, every.refused)}. A repeated mission fails unless its recording "
+        "is the same to the byte.",
         markdown_table(COLUMNS, [*rows, _told("all", every)]),
         "- *Stalled* runs ended with frontier left, as robots died, were boxed in, or could not "
         "agree. *Not confirmed* are those of which an oracle that knows the map finds that a "
@@ -193,11 +207,13 @@ def page(campaigns: Sequence[Campaign]) -> str:
         "- *Most events* are those of one recording; *slowest* is the elapsed time of a run and "
         "its judging, on a machine with other work.",
         "## The campaigns",
-        f"Made by {programs} version{'s' * (programs > 1)} of the program: a defect that is found "
+        f"Made by {counted(programs, 'version')} of the program: a defect that is found "
         "is mended, and another campaign begun.",
         markdown_table(("program", "seed", "missions", "failed"), map(_of_campaign, campaigns)),
         "## What was found",
-        "Each of these runs violated an invariant, was shrunk, and is now a test.",
+        "Campaigns during the development of this package, those above and earlier ones, found "
+        "these. Each of these runs violated an invariant, was shrunk, and is now a test, whichever "
+        "campaigns were added here.",
         "\n".join(f"- {said}" for said in found_before()),
         "`python -m benchmarks.campaigns add FILE` adds the missions of a file of `multisrt "
         "campaign run`, and `python -m benchmarks.campaigns page` writes this page.",
@@ -230,29 +246,41 @@ def _of_campaign(campaign: Campaign) -> tuple[str, ...]:
 
 def found_before() -> list[str]:
     """Return what campaigns have found, in a sentence each."""
-    first = (path.read_text(encoding="utf-8").splitlines()[0] for path in sorted(FOUND.iterdir()))
-    return [line.removeprefix("# ") for line in first]
+    return [_first_line(path).removeprefix("# ") for path in sorted(FOUND.glob("*.toml"))]
+
+
+def _first_line(path: Path) -> str:
+    line = path.read_text(encoding="utf-8").partition("\n")[0]
+    if not line.startswith("# "):
+        raise InvalidInputError(f"{path}: its first line is no comment that says what was found")
+    return line
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Add campaigns, or write the page."""
-    parser = argparse.ArgumentParser(prog="python -m benchmarks.campaigns", description=__doc__)
+    parser = parser_of("benchmarks.campaigns", ABOUT, EXAMPLES)
     commands = parser.add_subparsers(dest="command", required=True)
     adding = commands.add_parser("add", help="add what the campaigns of files came to")
-    adding.add_argument("files", type=Path, nargs="+", metavar="FILE")
+    adding.add_argument(
+        "files", type=Path, nargs="+", metavar="FILE", help="a file of multisrt campaign run"
+    )
     commands.add_parser("page", help=f"write {PAGE.relative_to(ROOT)}")
     named = parser.parse_args(arguments)
     try:
         campaigns = add(named.files, KEPT) if named.command == "add" else kept(KEPT)
         if named.command == "page":
             if not campaigns:
-                raise InvalidInputError("no campaign was added yet: add the missions of a file")
+                raise InvalidInputError(
+                    "no campaign was added yet: add the missions of a file by "
+                    "'python -m benchmarks.campaigns add FILE'"
+                )
             with atomic_write(PAGE) as out:
                 out.write(page(campaigns).encode())
     except InvalidInputError as error:
         parser.exit(2, f"{error}\n")
     whole = united([totals for one in campaigns for totals in one.strategies.values()])
-    print(f"{whole.missions:,} missions of {len(campaigns)} campaigns, {whole.failed:,} failed")
+    made = f"{counted(whole.missions, 'mission')} of {counted(len(campaigns), 'campaign')}"
+    print(f"{made}, {whole.failed:,} failed")
 
 
 if __name__ == "__main__":

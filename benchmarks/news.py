@@ -7,7 +7,6 @@ repetition.
 
 from __future__ import annotations
 
-import argparse
 from itertools import product
 from pathlib import Path
 from typing import Final
@@ -17,11 +16,22 @@ import pandas as pd
 import shapely
 
 import multisrt as ms
+from benchmarks.arguments import at_least, parser_of
 from multisrt.environments.environment import Environment
 from multisrt.presets.summary import markdown_table
 from multisrt.statistics.intervals import bootstrap
 from multisrt.statistics.rank_tests import paired
 from multisrt.statistics.summaries import mean
+
+ABOUT: Final = """How much a base station learns by each mode of the option home.
+
+Makes the runs that the table lacks, and prints in Markdown what was delivered. All of them take
+about half an hour on one core; after an interruption the same command goes on."""
+
+EXAMPLES: Final = """
+out/news.csv
+out/news.csv --repetitions 3
+""".strip()
 
 WORLDS: Final = ("office", "hospital", "library")
 RANGES_M: Final = (10.0, 15.0)
@@ -124,9 +134,17 @@ def rows(runs: pd.DataFrame) -> list[tuple[str, ...]]:
 
 def main() -> None:
     """Make the runs that the table lacks, and print the page."""
-    parser = argparse.ArgumentParser(description="what a base station learns by each mode of home")
-    parser.add_argument("table", type=Path, help="CSV file with a row for every run")
-    parser.add_argument("--repetitions", type=int, default=REPETITIONS)
+    parser = parser_of("benchmarks.news", ABOUT, EXAMPLES)
+    parser.add_argument(
+        "table", type=Path, metavar="TABLE", help="CSV file with a row for every run"
+    )
+    parser.add_argument(
+        "--repetitions",
+        type=at_least(2),
+        default=REPETITIONS,
+        metavar="N",
+        help=f"number of repetitions of each setting (default: {REPETITIONS})",
+    )
     given = parser.parse_args()
     held = pd.read_csv(given.table) if given.table.exists() else pd.DataFrame()
     made = {

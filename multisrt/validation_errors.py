@@ -54,6 +54,7 @@ def explained(error: Exception, wanted: Any) -> str:
         hint = did_you_mean(unknown[1], known) or f"; there are: {', '.join(known)}"
         said = f"there is no field {shown(unknown[1])}{hint}"
     elif said.startswith(("Invalid enum value", "Invalid value '")):
+        said = re.sub("^Invalid (enum )?value", "unknown value", said)
         said += f"; allowed: {', '.join(_allowed(schema, place))}"
     elif "matching regex" in said:
         said = "expected text on one line, without control characters"

@@ -61,7 +61,7 @@ class HomeOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
         for name, holds, allowed in (
             ("home_margin", 0.0 <= self.home_margin < math.inf, "0 or more"),
             ("home_reserve_s", 0.0 <= self.home_reserve_s < math.inf, "0 or more"),
-            ("home_ratio", 0.0 < self.home_ratio < 1.0, "between 0 and 1"),
+            ("home_ratio", 0.0 < self.home_ratio < 1.0, "above 0 and below 1"),
             ("home_wait_s", 0.0 < self.home_wait_s < math.inf, "positive"),
         ):
             if not holds:

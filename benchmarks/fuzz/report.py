@@ -9,6 +9,7 @@ from typing import Final
 
 from benchmarks.fuzz.judging import MAX_MEMORY, MAX_SECONDS, Outcome, Verdict
 from benchmarks.fuzz.target import Target
+from multisrt.geometry.errors import counted
 
 MAX_KEPT: Final = 3
 """Upper bound of the inputs that are written of each group of equal failures."""
@@ -91,7 +92,8 @@ def total(reports: Sequence[Report]) -> str:
     inputs, failed = (
         sum(each) for each in zip(*((r.inputs, r.failed) for r in reports), strict=True)
     )
-    return f"{inputs:,} inputs of {len(reports)} formats, {failed:,} failed"
+    made = f"{counted(inputs, 'input')} of {counted(len(reports), 'format')}"
+    return f"{made}, {failed:,} failed"
 
 
 def page(reports: Sequence[Report], command: str) -> str:

@@ -9,7 +9,6 @@ kept.
 
 from __future__ import annotations
 
-import argparse
 import random
 import resource
 import shutil
@@ -19,6 +18,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
+from benchmarks.arguments import at_least, parser_of
 from benchmarks.machines.breakages import BREAKAGES, LeftOutError
 from benchmarks.machines.cases import Case, Undisturbed
 from benchmarks.machines.cluster import ON_CLUSTER
@@ -31,6 +31,14 @@ EVERY: Final = {
 }
 """All breakages, with the names of the subjects that they break."""
 
+ABOUT: Final = f"""{__doc__}
+A breakage takes about a minute. Exit code: 0, or 1 if anything is not right."""
+
+EXAMPLES: Final = """
+--list
+--only sigterm full-disk --seed 7
+""".strip()
+
 TITLE: Final = (
     f"{'breakage':16} {'of':11} {'expected':>8} {'lost':>5} {'twice':>5} {'ok':4} what was done"
 )
@@ -38,14 +46,25 @@ TITLE: Final = (
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Try some or all breakages; exit with 1 if anything is not right."""
-    parser = argparse.ArgumentParser(prog="python -m benchmarks.machines", description=__doc__)
+    parser = parser_of("benchmarks.machines", ABOUT, EXAMPLES)
     parser.add_argument(
-        "--only", nargs="+", action="extend", choices=EVERY, metavar="NAME", help="these alone"
+        "--only",
+        nargs="+",
+        action="extend",
+        choices=EVERY,
+        metavar="NAME",
+        help="these breakages alone (default: all; --list names them)",
     )
     parser.add_argument("--list", action="store_true", help="list the breakages, and end")
-    parser.add_argument("--seed", type=int, default=0, help="seed of the moments")
     parser.add_argument(
-        "--out", type=Path, default=Path("out/machines"), help="folder for what is made"
+        "--seed", type=at_least(0), default=0, metavar="S", help="seed of the moments (default: 0)"
+    )
+    parser.add_argument(
+        "--out",
+        type=Path,
+        default=Path("out/machines"),
+        metavar="DIR",
+        help="folder for what is made (default: out/machines)",
     )
     named = parser.parse_args(arguments)
     if named.list:

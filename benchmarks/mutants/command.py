@@ -10,7 +10,9 @@ import argparse
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Final
 
+from benchmarks.arguments import at_least, parser_of
 from benchmarks.mutants.campaigns import Campaigns
 from benchmarks.mutants.catalogue import CONTROL, MUTANTS
 from benchmarks.mutants.findings import Finding, Findings, key_of
@@ -18,27 +20,64 @@ from benchmarks.mutants.page import PAGE, page, rows_of
 from multisrt.experiments.lock import WriteLock
 from multisrt.geometry.errors import InvalidInputError
 
+ABOUT: Final = f"""{__doc__}
+A defect that is found takes one to three minutes on one core, most of them for kernels that are
+compiled; one that is not, and the control, take about a second for each mission. Exit code: 0, 1
+if a defect was not found or the control failed, 2 if a campaign could not be run."""
+
+EXAMPLES: Final = """
+--list
+--only too-fast control --missions 100
+--page
+""".strip()
+
 UNFOUND, BAD_INPUT = 1, 2
 """Exit codes: a defect was not found, or the control failed; a campaign could not be run."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Try defects, or write the page; return the exit code."""
-    parser = argparse.ArgumentParser(prog="python -m benchmarks.mutants", description=__doc__)
+    parser = parser_of("benchmarks.mutants", ABOUT, EXAMPLES)
     names = (*MUTANTS, CONTROL)
     parser.add_argument(
-        "--only", nargs="+", choices=names, metavar="NAME", help="defects; default: all"
+        "--only",
+        nargs="+",
+        choices=names,
+        metavar="NAME",
+        help="defects (default: all; --list names them)",
     )
     parser.add_argument("--list", action="store_true", help="print the defects, and try none")
     parser.add_argument(
         "--page", action="store_true", help=f"write {PAGE.name} from what is kept, and try none"
     )
     parser.add_argument(
-        "--missions", type=int, default=3000, help="missions of each, if none fails (default: 3000)"
+        "--missions",
+        type=at_least(1),
+        default=3000,
+        metavar="N",
+        help="missions of each, if none fails (default: 3000)",
     )
-    parser.add_argument("--workers", type=int, default=1, help="number of processes (default: 1)")
-    parser.add_argument("--seed", type=int, default=0, help="seed of the campaigns (default: 0)")
-    parser.add_argument("--out", type=Path, default=Path("out/mutants"), help="folder")
+    parser.add_argument(
+        "--workers",
+        type=at_least(1),
+        default=1,
+        metavar="N",
+        help="number of processes (default: 1)",
+    )
+    parser.add_argument(
+        "--seed",
+        type=at_least(0),
+        default=0,
+        metavar="S",
+        help="seed of the campaigns (default: 0)",
+    )
+    parser.add_argument(
+        "--out",
+        type=Path,
+        default=Path("out/mutants"),
+        metavar="DIR",
+        help="folder for the copy and the findings (default: out/mutants)",
+    )
     given = parser.parse_args(arguments)
     chosen = list(dict.fromkeys(given.only or names))
     if given.list:

@@ -9,6 +9,7 @@ from typing import Final
 
 from benchmarks.mutants.catalogue import CONTROL, MUTANTS
 from benchmarks.mutants.findings import Finding
+from multisrt.geometry.errors import counted
 from multisrt.presets.summary import markdown_table
 
 PAGE: Final = Path(__file__).parents[2] / "docs/results/mutants.md"
@@ -71,25 +72,26 @@ def page(findings: Mapping[str, Finding], seed: int) -> str:
     said = f"Campaigns found {len(numbers)} of {len(MUTANTS)} defects"
     if numbers:
         within = sum(number <= 100 for number in numbers)
+        all_or_some = "all of them" if within == len(numbers) else f"{within} of them"
         said += (
-            f", {within} of them within 100 missions; the median is "
+            f", {all_or_some} within 100 missions; the median is "
             f"{statistics.median(numbers):g}, the largest number {numbers[-1]}"
         )
     control = findings.get(CONTROL)
     if control is not None:
         failed = "none of them failed"
         if control.mission is not None:
-            failed = f"failed in the last ({', '.join(control.invariants)}: {control.says})"
-        said += f". The program as it is made {control.missions} missions, and {failed}"
+            failed = f"the last failed ({', '.join(control.invariants)}: {control.says})"
+        said += f". The program as it is made {counted(control.missions, 'mission')}; {failed}"
     return "\n".join(
         [
             "# Planted defects",
             "",
-            "Made with `python -m benchmarks.mutants` and `python -m benchmarks.mutants --page`. A "
+            f"Made with {_commands(findings, seed)} and `python -m benchmarks.mutants --page`. A "
             f"[campaign](../campaign.md) that finds nothing proves little unless it finds what is "
             f"there: each of {len(MUTANTS)} defects was planted in a copy of the program, one at a "
             f"time, by a change of a line or two, and a campaign (seed {seed}) run until its first "
-            "failure.",
+            "failure, or for as many missions as its row says.",
             "",
             f"{said}.",
             "",
@@ -101,3 +103,14 @@ def page(findings: Mapping[str, Finding], seed: int) -> str:
             "",
         ]
     )
+
+
+def _commands(findings: Mapping[str, Finding], seed: int) -> str:
+    """Return the command that made the findings, with the limits that campaigns came to."""
+    limits = sorted({found.missions for found in findings.values() if found.mission is None})
+    own_seed = f" --seed {seed}" if seed else ""
+    command = "python -m benchmarks.mutants"
+    if len(limits) != 1:
+        told = f"`{command}{own_seed} --missions N`"
+        return f"{told} (N: {' or '.join(f'{n:,}' for n in limits)})" if limits else told
+    return f"`{command}{own_seed} --missions {limits[0]}`"

@@ -10,7 +10,7 @@ import msgspec
 from multisrt.campaign.violations import Violation
 from multisrt.experiments.store_file import sane
 from multisrt.geometry.errors import InvalidInputError, reason_of
-from multisrt.recording import atomic_write
+from multisrt.recording import atomic_write, make_folder
 from multisrt.spec import RunSpec
 from multisrt.validation_errors import UNREADABLE
 
@@ -19,6 +19,14 @@ SPEC_NAME: Final = "spec.toml"
 DRAWN_NAME: Final = "drawn.toml"
 RECORDING_NAME: Final = "recording.jsonl"
 REPLAY_NAME: Final = "replay.html"
+
+NAMES: Final = (FAILURE_NAME, SPEC_NAME, DRAWN_NAME, RECORDING_NAME, REPLAY_NAME)
+"""Names of the files of a failure."""
+
+NAME_A_FOLDER: Final = (
+    "name the folder of a failure; 'multisrt campaign show STORE' prints those of a campaign"
+)
+"""What to do about a path that is none."""
 
 
 class Failure(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
@@ -89,10 +97,7 @@ def write_failure(folder: Path, failure: Failure, spec: RunSpec, drawn: RunSpec)
     """
     made = msgspec.toml.encode(failure).decode()
     files = {FAILURE_NAME: made, SPEC_NAME: spec.canonical().to_toml(), DRAWN_NAME: drawn.to_toml()}
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InvalidInputError(f"cannot write {folder}: {error.strerror}") from None
+    make_folder(folder)
     for name, text in files.items():
         with atomic_write(folder / name) as file:
             file.write(text.encode())
@@ -117,14 +122,7 @@ def read_failure(folder: Path) -> tuple[Failure, RunSpec]:
         If it is no folder of a failure; the message says which file is missing or wrong.
     """
     folder = folder_of(folder)
-    try:
-        text = (folder / FAILURE_NAME).read_text(encoding="utf-8")
-        spec = (folder / SPEC_NAME).read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise InvalidInputError(
-            f"{folder} is not the folder of a failure: it needs {FAILURE_NAME} and {SPEC_NAME} "
-            f"({error})"
-        ) from None
+    text, spec = (_read(folder, name) for name in (FAILURE_NAME, SPEC_NAME))
     try:
         failure = msgspec.convert(sane(msgspec.toml.decode(text)), Failure)
     except UNREADABLE as error:
@@ -136,5 +134,30 @@ def read_failure(folder: Path) -> tuple[Failure, RunSpec]:
 
 
 def folder_of(path: Path) -> Path:
-    """Return the folder of a failure that is given by itself or by a file in it."""
-    return path if path.is_dir() else path.parent
+    """Return the folder of a failure that is given by itself or by a file in it.
+
+    Raises
+    ------
+    InvalidInputError
+        If there is nothing of that name, or a file that no failure has.
+    """
+    if path.is_dir():
+        return path
+    if not path.exists():
+        raise InvalidInputError(f"there is no {path}: {NAME_A_FOLDER}")
+    if path.name not in NAMES:
+        raise InvalidInputError(f"{path} is a file, but not one of a failure: {NAME_A_FOLDER}")
+    return path.parent
+
+
+def _read(folder: Path, name: str) -> str:
+    try:
+        return (folder / name).read_text(encoding="utf-8")
+    except FileNotFoundError:
+        failures = sorted(folder.glob(f"*/{FAILURE_NAME}"))
+        hint = f"name one in it, such as {failures[0].parent}" if failures else NAME_A_FOLDER
+        raise InvalidInputError(
+            f"{folder} is not the folder of a failure, as it has no {name}: {hint}"
+        ) from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise InvalidInputError(f"{folder / name}: {reason_of(error)}") from None

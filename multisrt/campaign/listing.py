@@ -9,11 +9,13 @@ from multisrt.campaign.invariants import INVARIANTS
 from multisrt.campaign.lane import EQUAL_DIGEST, REPEATED_EVERY
 from multisrt.campaign.mission import ENDS, JUDGED, NO_ERROR
 from multisrt.campaign.mission_process import HANG_S, HANGS
+from multisrt.geometry.errors import InvalidInputError, did_you_mean, shown
 
 OWN: Final = MappingProxyType(
     {
         NO_ERROR: "Making a run raises no error and does not take its process down.",
-        ENDS: "Every run ends within a bound of events, in the time of the run.",
+        ENDS: "Every run ends within a bound on events and its time limit, with an outcome and a "
+        "reason that fit.",
         HANGS: f"Every run ends within {HANG_S:g} s of a clock, whatever it does.",
         EQUAL_DIGEST: "Another process makes the same recording, byte for byte; tried for every "
         f"run that fails, and one in {REPEATED_EVERY}.",
@@ -36,9 +38,25 @@ def demands() -> dict[str, str]:
     >>> demands()["no-error"]
     'Making a run raises no error and does not take its process down.'
     """
-    judged = {
-        name: (invariant.__doc__ or "").strip().partition("\n")[0]
-        for name, invariant in INVARIANTS.items()
-    }
-    own = {name: f"{text} {judged[name]}" if name in judged else text for name, text in OWN.items()}
-    return own | {name: text for name, text in judged.items() if name not in own}
+    judged = {name: _demanded(invariant.__doc__ or "") for name, invariant in INVARIANTS.items()}
+    return {**OWN, **{name: text for name, text in judged.items() if name not in OWN}}
+
+
+def _demanded(doc: str) -> str:
+    """Return what an invariant demands, by the first line of its docstring, "Check that ..."."""
+    text = doc.strip().partition("\n")[0].removeprefix("Check that ")
+    return text[:1].upper() + text[1:]
+
+
+def require_invariant(name: str) -> None:
+    """Raise InvalidInputError unless there is an invariant of a name.
+
+    Examples
+    --------
+    >>> require_invariant("no-error")
+    """
+    if name not in (known := demands()):
+        raise InvalidInputError(
+            f"there is no invariant {shown(name)}{did_you_mean(name, known)}; "
+            "'multisrt campaign invariants' lists them"
+        )

@@ -26,7 +26,7 @@ from multisrt.experiments.store_file import (
     open_to_write,
     sane,
 )
-from multisrt.geometry.errors import InvalidInputError, reason_of
+from multisrt.geometry.errors import InvalidInputError, reason_of, shown
 from multisrt.validation_errors import UNREADABLE
 
 NOT_DRAWN: Final = "(not drawn)"
@@ -161,13 +161,16 @@ class CampaignStore(StoreFile):
     ) -> None:
         super().__init__(path, connection, lock)
         meta = self._meta()
+        missing = [name for name in ("seed", "program") if name not in meta]
+        if missing:
+            raise self.damaged(f"it does not say the {missing[0]} of its campaign")
         try:
             self.seed = int(meta["seed"])
-            self.program = meta["program"]
-        except (KeyError, ValueError) as error:
-            raise self.damaged(reason_of(error)) from None
+        except ValueError:
+            raise self.damaged(f"its seed is {shown(meta['seed'])}, no whole number") from None
         if self.seed < 0:
             raise self.damaged(f"the seed of a campaign is 0 or positive, not {self.seed}")
+        self.program = meta["program"]
 
     @classmethod
     def open(cls, path: str | Path) -> CampaignStore:

@@ -9,6 +9,7 @@ from statistics import median
 import msgspec
 
 from multisrt.campaign.store import Row
+from multisrt.geometry.errors import counted
 
 
 class StrategySummary(msgspec.Struct, frozen=True, kw_only=True):
@@ -72,6 +73,29 @@ def summary(rows: Iterable[Row]) -> list[StrategySummary]:
         *(_summary(name, found) for name, found in sorted(by_strategy.items())),
         _summary("all", every),
     ]
+
+
+def further(repeated: int, refused: int) -> str:
+    """Return how many missions were repeated, and draws made again, in words.
+
+    Parameters
+    ----------
+    repeated, refused : int
+        As in `StrategySummary`.
+
+    Examples
+    --------
+    >>> further(1, 2)
+    '1 was repeated in another process; 2 draws were impossible and drawn again'
+    """
+    return (
+        f"{repeated:,} {_were(repeated)} repeated in another process; "
+        f"{counted(refused, 'draw')} {_were(refused)} impossible and drawn again"
+    )
+
+
+def _were(number: int) -> str:
+    return "was" if number == 1 else "were"
 
 
 def _summary(strategy: str, rows: list[Row]) -> StrategySummary:

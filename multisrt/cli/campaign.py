@@ -133,6 +133,7 @@ def run(
     """
     from multisrt.campaign.running import run_campaign
     from multisrt.campaign.store import CampaignStore
+    from multisrt.geometry.errors import counted
     from multisrt.terminal import LiveLine
 
     if missions is None and for_s is None:
@@ -150,7 +151,9 @@ def run(
                     progress=_watch(live.update, live.tell if live.rewritten else click.echo),
                 )
         except KeyboardInterrupt:
-            stored = f"{len(opened.done())} missions are stored in {store}"
+            done = len(opened.done())
+            verb = "is" if done == 1 else "are"
+            stored = f"{counted(done, 'mission')} {verb} stored in {store}"
             click.echo(f"{stored}; the same command continues", err=True)
             raise click.Abort from None
         failed = _show_table(opened.rows())
@@ -188,8 +191,9 @@ def _line(number: int, invariant: str, says: str, folder: str) -> str:
 
 def _show_table(rows: Iterable[Row]) -> int:
     """Print what the missions came to; return the number of those that failed."""
-    from multisrt.campaign.summary import summary
+    from multisrt.campaign.summary import further, summary
     from multisrt.cli.tables import show_blocks
+    from multisrt.geometry.errors import counted
 
     found = summary(rows)
     if not found:
@@ -210,8 +214,8 @@ def _show_table(rows: Iterable[Row]) -> int:
     ]
     show_blocks(headings, table)
     click.echo(
-        f"{every.missions} missions, {every.failed} of them failed; {every.repeated} were repeated "
-        f"in another process; {every.refused} draws were impossible and drawn again"
+        f"{counted(every.missions, 'mission')}, {every.failed:,} of them failed; "
+        f"{further(every.repeated, every.refused)}"
     )
     return every.failed
 
@@ -297,12 +301,23 @@ def replay(failure: Path) -> None:
     Exit code:
       0  it does not fail any more   1  it still fails   2  bad input
     """
-    from multisrt.campaign.failure import REPLAY_NAME, folder_of, read_failure
+    from multisrt.campaign.failure import (
+        FAILURE_NAME,
+        REPLAY_NAME,
+        folder_of,
+        read_failure,
+    )
     from multisrt.campaign.lane import replayed
+    from multisrt.campaign.listing import require_invariant
     from multisrt.campaign.shrinking import is_alike
+    from multisrt.geometry.errors import InvalidInputError
 
     found, spec = read_failure(failure)
     folder = folder_of(failure)
+    try:
+        require_invariant(found.invariant)
+    except InvalidInputError as error:
+        raise InvalidInputError(f"{folder / FAILURE_NAME}: {error}") from None
     violations = replayed(spec, folder, found.violation)
     still = [violation for violation in violations if is_alike(violation, found.violation)]
     click.echo(f"failed with: {found.invariant}: {found.says}")

@@ -23,8 +23,13 @@ OTHER_NAMES = {
 }
 """Names that other programs give options, where a command has the option."""
 
-KINDS = {"a valid integer": "a whole number", "a valid float": "a number"}
-"""Kinds of values, as click and as people call them."""
+KINDS = {
+    "a valid integer range": "a whole number",
+    "a valid integer": "a whole number",
+    "a valid float range": "a number",
+    "a valid float": "a number",
+}
+"""Kinds of values, as click and as people call them, the longest first."""
 
 
 class CommandGroup(click.Group):

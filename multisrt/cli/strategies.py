@@ -16,6 +16,9 @@ EXAMPLE = "minpos"
 AS_ABOVE = "As above"
 """How a docstring refers to that of the class from which an option is inherited."""
 
+PLAIN = ("true", "false", "none")
+"""Words for values that are no names, which the default or the text shows."""
+
 
 @click.command()
 @click.argument("words", metavar="[NAME]", nargs=-1, shell_complete=candidates.strategies)
@@ -55,7 +58,7 @@ def strategies(words: tuple[str, ...]) -> None:
     import msgspec
 
     from multisrt.experiments.schema import documented_attributes
-    from multisrt.validation_errors import written
+    from multisrt.validation_errors import allowed_words, written
 
     chosen = named_strategy(name)
     click.echo(f"{chosen.name}: {chosen.summary}")
@@ -72,7 +75,11 @@ def strategies(words: tuple[str, ...]) -> None:
     # What the strategy adds or changes, before what it inherits.
     fields = msgspec.structs.fields(chosen.options)
     for field in sorted(fields, key=lambda field: -defined[field.name]):
-        listed.add_row(field.name, written(field.default), meanings.get(field.name, ""))
+        meaning = meanings.get(field.name, "")
+        words = allowed_words(field.type)
+        if set(words) - set(PLAIN):
+            meaning = f"{meaning} Values: {', '.join(words)}.".strip()
+        listed.add_row(field.name, written(field.default), meaning)
     show(listed)
 
 

@@ -14,6 +14,7 @@ import msgspec
 
 from multisrt.experiments.lock import WriteLock
 from multisrt.geometry.errors import InvalidInputError, escaped, reason_of, shown
+from multisrt.recording import make_folder
 
 APPLICATION = 0x4D535254
 """Application id in the header of the file: "MSRT"."""
@@ -123,11 +124,12 @@ class FileKind:
         Raises
         ------
         InvalidInputError
-            If the file holds something else, or the same in another format.
+            If the file holds something else, or the same in another format, or is damaged.
         """
         is_new = _is_new(connection)
         if not is_new:
             self.require(path, connection)
+            self._require_sound(path, connection)
         connection.execute("PRAGMA journal_mode = WAL")
         connection.execute("PRAGMA synchronous = NORMAL")
         if is_new:
@@ -154,6 +156,15 @@ class FileKind:
                 "file"
             )
         self._require_tables(path, connection)
+
+    def _require_sound(self, path: Path, connection: sqlite3.Connection) -> None:
+        # Before anything is computed of which the file could not take the result.
+        (found,) = connection.execute("PRAGMA quick_check(1)").fetchone()
+        if found != "ok":
+            raise InvalidInputError(
+                f"{path}: a damaged file of {self.contents} ({reason_of(ValueError(found))}); "
+                f"{OR_ANOTHER}"
+            )
 
     @property
     def _statements(self) -> list[str]:
@@ -280,6 +291,8 @@ def open_to_write(
 ) -> Opened:
     """Open a file for writing, locked against other writers; create it if there is none.
 
+    Missing folders above it are created, too.
+
     Parameters
     ----------
     path : Path
@@ -295,10 +308,11 @@ def open_to_write(
     Raises
     ------
     InvalidInputError
-        If the file holds something else, or another process writes it.
+        If the file holds something else, another process writes it, or its folder cannot be made.
     """
     if path.exists():
         require_store(path, or_empty=True)
+    make_folder(path.parent)
     lock = WriteLock(path)
     try:
         with errors_of(path):

@@ -9,7 +9,7 @@ The digest is the SHA-256 of the spec, the world and every event line: equal spe
 digests, in any process and on any machine of the same architecture with the same packages.
 """
 
-from multisrt.recording.files import atomic_write
+from multisrt.recording.files import atomic_write, make_folder
 from multisrt.recording.lines import (
     FORMAT,
     READABLE,
@@ -33,4 +33,5 @@ __all__ = [
     "RunOutcome",
     "atomic_write",
     "header_of",
+    "make_folder",
 ]

@@ -33,3 +33,24 @@ def atomic_write(path: Path) -> Iterator[IO[bytes]]:
         if isinstance(error, OSError):
             raise InvalidInputError(f"cannot write {path}: {error.strerror or error}") from None
         raise
+
+
+def make_folder(folder: Path) -> None:
+    """Make a folder and those above it, unless they are there.
+
+    Parameters
+    ----------
+    folder : Path
+        The folder.
+
+    Raises
+    ------
+    InvalidInputError
+        If it cannot be made, as a file of that name is there.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InvalidInputError(
+            f"cannot create the folder {folder}: {error.strerror or error}; choose another one"
+        ) from None

@@ -14,6 +14,7 @@ from multisrt.geometry.regions.edge_index import EdgeIndex
 from multisrt.recording import Header, header_of
 from multisrt.robots.defects import ExplorerDefect
 from multisrt.robots.explorer import Explorer, RobotSelf
+from multisrt.robots.homing.just_in_time import LimitTooShortError
 from multisrt.robots.registry import strategy
 from multisrt.robots.robot_self import BaseSelf
 from multisrt.robots.strategy import Strategy
@@ -128,7 +129,7 @@ def set_up(
         )
         for number, (robot, start) in enumerate(zip(spec.robots, starts, strict=True))
     ]
-    explorers = tuple(_built(chosen, me, options) for me in selves)
+    explorers = _all_built(chosen, selves, options)
     return SetUp(
         spec=spec,
         environment=environment,
@@ -141,6 +142,21 @@ def set_up(
         base=base,
         streams=streams,
     )
+
+
+def _all_built(
+    strategy: Strategy, selves: Sequence[RobotSelf], options: object
+) -> tuple[Explorer, ...]:
+    explorers: list[Explorer] = []
+    too_short: list[LimitTooShortError] = []
+    for me in selves:
+        try:
+            explorers.append(_built(strategy, me, options))
+        except LimitTooShortError as error:
+            too_short.append(error)
+    if too_short:  # the limit that is named is enough for all robots
+        raise max(too_short, key=lambda error: error.needed_s)
+    return tuple(explorers)
 
 
 def _built(strategy: Strategy, me: RobotSelf, options: object) -> Explorer:

@@ -7,6 +7,7 @@ from benchmarks.campaigns import add, campaign_of, kept, page
 from multisrt.campaign.mission import Verdict
 from multisrt.campaign.store import CampaignStore, row_of
 from multisrt.campaign.violations import Violation
+from multisrt.geometry.errors import InvalidInputError
 from tests.multisrt.campaign.test_store import mission_of
 
 BROKE = Violation(invariant="boxed-in-is-boxed-in", says="it had a way")
@@ -42,6 +43,7 @@ def test_the_page_adds_up_what_they_came_to(files):
     assert "made 6 missions" in text
     assert "In 1 of them an invariant did not hold" in text
     assert "| all | 6 | 5 | 1 | 1 | 0 | 1 | 42 | 0 |" in text
+    assert "0 were repeated in another process; 6 draws were impossible and drawn again." in text
     assert "- A car that cannot reverse was boxed in on its way" in text
 
 
@@ -50,4 +52,17 @@ def test_the_page_needs_a_campaign(tmp_path, monkeypatch, capsys):
     with pytest.raises(SystemExit) as ended:
         campaigns.main(["page"])
     assert ended.value.code == 2
-    assert "no campaign was added yet" in capsys.readouterr().err
+    assert capsys.readouterr().err == (
+        "no campaign was added yet: add the missions of a file by "
+        "'python -m benchmarks.campaigns add FILE'\n"
+    )
+
+
+def test_what_was_found_is_said_in_a_sentence_each(tmp_path, monkeypatch):
+    said = campaigns.found_before()
+    assert len(said) == len(list(campaigns.FOUND.glob("*.toml")))
+    assert all(line[0].isupper() and line.endswith(".") for line in said)
+    (tmp_path / "mute.toml").write_text('strategy = "minpos"\n')
+    monkeypatch.setattr(campaigns, "FOUND", tmp_path)
+    with pytest.raises(InvalidInputError, match=r"mute.toml: its first line is no comment"):
+        campaigns.found_before()

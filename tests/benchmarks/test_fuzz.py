@@ -167,11 +167,29 @@ def test_the_command_prints_a_table_and_reads_again(tmp_path, capsys, monkeypatc
     title, row, total = capsys.readouterr().out.splitlines()
     assert title.split()[:4] == ["format", "inputs", "read", "refused"]
     assert row.split()[:2] == ["wkt", "20"]
-    assert total == "20 inputs of 1 formats, 0 failed"
+    assert total == "20 inputs of 1 format, 0 failed"
     with pytest.raises(SystemExit):
         main(["--format", "wkt", "--number", "1"])
     assert "read in" in capsys.readouterr().out
     assert (tmp_path / "out/fuzz/wkt-0-1.wkt").is_file()
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--inputs", "0"], "'0' is not a whole number of at least 1"),
+        (["--inputs", "-5"], "'-5' is not a whole number of at least 1"),
+        (["--inputs", "many"], "'many' is not a whole number of at least 1"),
+        (["--inputs", "1", "--format", "wkt", "--format", "svg"], "less than one for each of 2"),
+        (["--workers", "0"], "'0' is not a whole number of at least 1"),
+        (["--format", "svg", "--number", "-3"], "'-3' is not a whole number of at least 0"),
+    ],
+)
+def test_numbers_out_of_bounds_are_refused(words, said, capsys):
+    with pytest.raises(SystemExit) as ended:
+        main(words)
+    assert ended.value.code == 2
+    assert said in capsys.readouterr().err
 
 
 def test_the_command_writes_a_page(tmp_path):
@@ -179,7 +197,7 @@ def test_the_command_writes_a_page(tmp_path):
     with pytest.raises(SystemExit):
         main(["--inputs", "10", "--seed", "3", "--format", "wkt", "--page", str(path)])
     lines = path.read_text().splitlines()
-    assert lines[2].startswith("10 inputs of 1 formats, 0 failed.")
+    assert lines[2].startswith("10 inputs of 1 format, 0 failed.")
     assert [line.split()[1:4] for line in lines if line.startswith("| `wkt`")] == [
         ["`wkt`", "|", "10"]
     ]

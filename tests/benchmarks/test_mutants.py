@@ -160,14 +160,34 @@ def test_the_page_is_made_from_what_is_kept(tmp_path, monkeypatch):
     monkeypatch.setattr(command, "PAGE", tmp_path / "mutants.md")
     assert main(["--out", str(tmp_path), "--page"]) == 0
     text = (tmp_path / "mutants.md").read_text()
-    assert "Campaigns found 1 of 30 defects, 1 of them within 100 missions" in text
-    assert "The program as it is made 900 missions, and none of them failed." in text
+    assert "Campaigns found 1 of 30 defects, all of them within 100 missions" in text
+    assert "The program as it is made 900 missions; none of them failed." in text
+    assert text.splitlines()[2].startswith(
+        "Made with `python -m benchmarks.mutants --missions 900` and `python -m "
+    )
     rows = {line.split(" | ")[0].strip("| "): line for line in text.splitlines() if "| " in line}
     assert rows[SPEED].endswith("| `ends`, `no-error` | 3 | 12 |")
     assert rows[CONTROL].endswith("| nothing | 900, none failed | 12 |")
     assert rows["overheard"].endswith("| not tried yet |  |  |")
-    assert page({CONTROL: finding(CONTROL, 7)}, 0).count("failed in the last (ends, no-error") == 1
+    assert page({CONTROL: finding(CONTROL, 7)}, 0).count("the last failed (ends, no-error") == 1
     assert text == page({SPEED: finding(SPEED, 3), CONTROL: finding(CONTROL, None, 900)}, 0)
+
+
+def test_the_page_names_the_limits_that_there_were():
+    some = {SPEED: finding(SPEED, 200), "overheard": finding("overheard", None)}
+    text = page(some, 4)
+    assert "`python -m benchmarks.mutants --seed 4 --missions 300` and" in text
+    assert "Campaigns found 1 of 30 defects, 0 of them within 100 missions" in text
+    text = page(some | {CONTROL: finding(CONTROL, None, 1000)}, 0)
+    assert "`python -m benchmarks.mutants --missions N` (N: 300 or 1,000) and" in text
+
+
+@pytest.mark.parametrize("option", ["--missions", "--workers"])
+def test_numbers_out_of_bounds_are_refused(option, capsys):
+    with pytest.raises(SystemExit) as ended:
+        main([option, "0"])
+    assert ended.value.code == 2
+    assert "'0' is not a whole number of at least 1" in capsys.readouterr().err
 
 
 def test_a_damaged_file_of_findings_is_named(tmp_path, capsys):

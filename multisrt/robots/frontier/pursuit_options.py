@@ -27,8 +27,10 @@ class PursuitOptions(HomingOptions, frozen=True, kw_only=True, forbid_unknown_fi
         that shortens the longest route of the team. Needs a team whose radio is limited.
     pursue_gain : float
         Share by which the longest route has to get shorter, from 0 (M-TARE: any) to below 1.
-    pursue_stay, pursue_leave : float
-        Probability that the mate stays at its place on the route in a step, or leaves the route.
+    pursue_stay : float
+        Probability that the mate stays at its place on the route in a step.
+    pursue_leave : float
+        Probability that the mate leaves the route in a step.
     pursue_step_s : float
         Length of a step in seconds; also the minimum time between two looks for a mate to pursue.
     pursue_steps : int

@@ -24,6 +24,22 @@ from multisrt.robots.homing.options import EXCHANGE_MESSAGES
 from multisrt.robots.robot_self import RobotSelf
 
 
+class LimitTooShortError(InvalidInputError):
+    """The time limit of a run is too short for a robot to bring news home.
+
+    Parameters
+    ----------
+    message : str
+        What is wrong, and the remedy.
+    needed_s : int
+        The least limit for this robot, in seconds.
+    """
+
+    def __init__(self, message: str, needed_s: int) -> None:
+        super().__init__(message)
+        self.needed_s = needed_s
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JustInTime:
     """How long ways last, and when the time is over.
@@ -62,7 +78,7 @@ class JustInTime:
 
         Raises
         ------
-        InvalidInputError
+        LimitTooShortError
             If the limit is too short to come home from where the robot begins, as the crow flies.
         """
         drive = me.kinematics
@@ -113,10 +129,12 @@ class JustInTime:
         least_m = max(0.0, away_m - me.radio.range_m)
         short_s = -self.slack_s(me.time_s, least_m)
         if short_s > 0.0:
-            raise InvalidInputError(
+            needed_s = math.ceil(self.limit_s + short_s)
+            raise LimitTooShortError(
                 f"the time limit of {self.limit_s:g} s is too short to bring news home: robot "
                 f"{me.robot} begins at {me.time_s:g} s, {away_m:.3g} m from the base station, and "
                 f"takes {self.way_s(least_m):.3g} s to where it is heard and {self.reserve_s:.3g} "
                 f"s in reserve; give a limit (max_time_s, --max-time) of at least "
-                f"{math.ceil(self.limit_s + short_s)} s, or less home_reserve_s"
+                f"{needed_s} s, or less home_reserve_s",
+                needed_s,
             )

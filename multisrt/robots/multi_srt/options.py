@@ -39,7 +39,10 @@ class MultiSrtOptions(SrtOptions, frozen=True, kw_only=True, forbid_unknown_fiel
     Attributes
     ----------
     home : {"never", "in-time", "worth"}
-        As in `HomeOptions`; the robot goes over its roadmap, from node to node.
+        When a robot drives over its roadmap, from node to node, to where the base station hears it.
+        "never": on no account. "in-time": when it has explored all it can, and so that what it
+        carries is delivered before the run's time limit. "worth": then, and when what it carries is
+        worth the way. Other values than "never" need a base station.
     guard_m : float
         Distance in metres to another body at which the protective stop ends a motion; paths that
         come nearer to one another conflict.

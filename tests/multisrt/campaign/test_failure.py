@@ -1,5 +1,7 @@
 """The folder of a failure."""
 
+import re
+
 import pytest
 
 from multisrt.campaign.failure import (
@@ -36,9 +38,18 @@ def test_a_failure_is_read_as_it_was_written(folder):
     assert "touches a" in first
 
 
-def test_another_folder_is_refused(tmp_path):
-    with pytest.raises(InvalidInputError, match=r"not the folder of a failure: it needs failure"):
-        read_failure(tmp_path)
+def test_another_path_is_refused_in_plain_words(folder, tmp_path):
+    (tmp_path / "empty").mkdir()
+    (tmp_path / "campaign.sqlite").write_text("")
+    for path, said in (
+        (tmp_path / "nope", f"there is no {tmp_path}/nope: name the folder of a failure"),
+        (tmp_path / "campaign.sqlite", "is a file, but not one of a failure: name the folder"),
+        (tmp_path / "empty", "is not the folder of a failure, as it has no failure.toml: name"),
+        (folder.parent, f"as it has no failure.toml: name one in it, such as {folder}"),
+    ):
+        with pytest.raises(InvalidInputError, match=re.escape(said)) as told:
+            read_failure(path)
+        assert "Errno" not in str(told.value)
 
 
 @pytest.mark.parametrize(("name", "text"), [(FAILURE_NAME, "says = 1"), (SPEC_NAME, "seed = -1")])
@@ -50,5 +61,5 @@ def test_a_damaged_file_is_named(folder, name, text):
 
 def test_a_folder_that_cannot_be_made_is_told(tmp_path):
     (tmp_path / "file").write_text("")
-    with pytest.raises(InvalidInputError, match="cannot write"):
+    with pytest.raises(InvalidInputError, match="cannot create the folder"):
         write_failure(tmp_path / "file" / "there", FAILURE, SPEC, DRAWN)

@@ -104,6 +104,8 @@ def test_a_damaged_mission_is_told(path):
     [
         ("UPDATE missions SET folders = '[]'", "mission 1 has not one folder for each violation"),
         ("UPDATE meta SET value = '-1' WHERE name = 'seed'", "is 0 or positive, not -1"),
+        ("UPDATE meta SET value = 'zz' WHERE name = 'seed'", "its seed is 'zz', no whole number"),
+        ("DELETE FROM meta WHERE name = 'seed'", "it does not say the seed of its campaign"),
         ("UPDATE meta SET value = x'ff' WHERE name = 'seed'", "its table meta is no text"),
         ("UPDATE missions SET time_s = 9e999", "a number of inf"),
         ("CREATE VIEW more AS SELECT * FROM missions", "its tables are not those"),
@@ -116,3 +118,16 @@ def test_damage_is_told(path, change, said):
         connection.execute(change)
     with pytest.raises(InvalidInputError, match=said), CampaignStore.open(path) as store:
         list(store.rows())
+
+
+def test_a_file_with_a_damaged_page_is_refused_before_a_mission_is_made(path):
+    with CampaignStore.create_or_open(path) as store:
+        for number in range(200):
+            store.add(row_of(mission_of(number)))
+    content = bytearray(path.read_bytes())
+    assert len(content) > 8 * 4096
+    content[-2 * 4096 : -4096] = b"\x55" * 4096
+    path.write_bytes(content)
+    with pytest.raises(InvalidInputError, match="a damaged file of missions"):
+        CampaignStore.create_or_open(path)
+    assert bytes(content) == path.read_bytes()

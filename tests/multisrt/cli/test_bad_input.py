@@ -117,7 +117,7 @@ def bad_worlds(folder: Path) -> None:
         ),
         (
             ["room.wkt", "--option", "select=first"],
-            "srt-radial: Invalid enum value 'first'; allowed: 'closest_root', 'most_recent'",
+            "srt-radial: unknown value 'first'; allowed: 'closest_root', 'most_recent'",
         ),
         (
             [

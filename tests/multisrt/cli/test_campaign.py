@@ -13,7 +13,7 @@ from multisrt.campaign.violations import Violation
 from multisrt.spec import CatalogEnvironment, RunSpec
 from tests.multisrt.campaign.test_store import mission_of
 
-BROKE = Violation(invariant="planted", says="it broke")
+BROKE = Violation(invariant="ends", says="it broke")
 
 
 class FakeLane:
@@ -26,7 +26,7 @@ class FakeLane:
         """Make a mission."""
         if number != 2:
             return mission_of(number, Verdict(outcome="out_of_time", digest="ab"))
-        folder = str(self.folder / "000002-planted")
+        folder = str(self.folder / "000002-ends")
         return mission_of(
             number, Verdict(outcome="complete", violations=(BROKE,)), folders=(folder,)
         )
@@ -55,10 +55,10 @@ def test_a_campaign_prints_failures_and_a_table(call, folder):
     assert (code, err) == (1, "")
     lines = [line for line in out.splitlines() if line.strip()]
     assert lines[0] == (
-        "mission 2: planted: it broke; multisrt campaign replay campaign-failures/000002-planted"
+        "mission 2: ends: it broke; multisrt campaign replay campaign-failures/000002-ends"
     )
     assert lines[1].split() == [
-        "strategy", "missions", "out_of_time", "complete", "s", "(median)", "planted",
+        "strategy", "missions", "out_of_time", "complete", "s", "(median)", "ends",
     ]  # fmt: skip
     assert ["minpos", "5", "4", "1", "0.00", "1"] in [line.split() for line in lines]
     assert ["all", "5", "4", "1", "0.00", "1"] in [line.split() for line in lines]
@@ -77,6 +77,13 @@ def test_the_same_command_goes_on(call):
     assert "holds missions of seed 0, not 1" in err
 
 
+def test_missing_folders_of_a_store_are_made(call, folder):
+    code, out, err = call("run", "--missions", "2", "--store", "new/newer/x.sqlite")
+    assert (code, err) == (0, "")
+    assert out.splitlines()[-1] == "missions: new/newer/x.sqlite"
+    assert (folder / "new/newer/x.sqlite").is_file()
+
+
 def test_a_campaign_for_a_time(call, monkeypatch):
     given = {}
     monkeypatch.setattr(running, "run_campaign", lambda store, **more: given.update(more))
@@ -92,9 +99,10 @@ def test_a_campaign_for_a_time(call, monkeypatch):
     [
         (["run"], "give --missions or --for"),
         (["run", "--for", "2 weeks"], "'2 weeks' is not a duration such as 90s, 15m or 2h"),
+        (["run", "--missions", "x"], "--missions: 'x' is not a whole number; see"),
         (["run", "--for", "0s"], "'0s' is not a duration"),
         (["show", "nothing.sqlite"], "nothing.sqlite"),
-        (["replay", "nothing"], "not the folder of a failure"),
+        (["replay", "nothing"], "there is no nothing: name the folder of a failure"),
     ],
 )
 def test_bad_input_is_told(call, words, said):
@@ -121,7 +129,7 @@ def test_a_campaign_is_shown(call):
     code, out, _ = call("show", "x.sqlite")
     assert code == 0
     assert "4 missions, 1 of them failed" in out
-    assert out.splitlines()[-1].startswith("mission 2: planted: it broke; multisrt campaign replay")
+    assert out.splitlines()[-1].startswith("mission 2: ends: it broke; multisrt campaign replay")
 
 
 def test_the_spec_of_a_mission_is_printed(call):
@@ -134,18 +142,18 @@ def test_the_spec_of_a_mission_is_printed(call):
 @pytest.mark.parametrize(
     ("now", "code", "said"),
     [
-        ((BROKE,), 1, "still fails: planted: it broke"),
+        ((BROKE,), 1, "still fails: ends: it broke"),
         ((), 0, "does not fail any more"),
         (
-            (Violation(invariant="other", says="it hurts"),),
+            (Violation(invariant="no-error", says="it hurts"),),
             1,
-            "fails otherwise: other: it hurts",
+            "fails otherwise: no-error: it hurts",
         ),
     ],
 )
 def test_a_failure_is_replayed(call, folder, monkeypatch, now, code, said):
     spec = RunSpec(environment=CatalogEnvironment(name="open"))
-    failure = Failure(says="it broke", invariant="planted", seed=1, number=2)
+    failure = Failure(says="it broke", invariant="ends", seed=1, number=2)
     write_failure(folder / "failure", failure, spec, spec)
     asked = []
 
@@ -156,8 +164,20 @@ def test_a_failure_is_replayed(call, folder, monkeypatch, now, code, said):
     monkeypatch.setattr(lane, "replayed", replayed)
     found, out, _ = call("replay", "failure")
     assert found == code
-    assert out.splitlines() == ["failed with: planted: it broke", said]
+    assert out.splitlines() == ["failed with: ends: it broke", said]
     assert asked[0][0] == spec
+
+
+def test_an_unknown_invariant_is_not_replayed(call, folder):
+    spec = RunSpec(environment=CatalogEnvironment(name="open"))
+    failure = Failure(says="it broke", invariant="no-colision", seed=1, number=2)
+    write_failure(folder / "failure", failure, spec, spec)
+    code, out, err = call("replay", "failure")
+    assert (code, out) == (2, "")
+    assert err == (
+        "error: failure/failure.toml: there is no invariant 'no-colision' (did you mean "
+        "'no-collision'?); 'multisrt campaign invariants' lists them\n"
+    )
 
 
 def test_every_invariant_is_listed(call):
@@ -166,3 +186,11 @@ def test_every_invariant_is_listed(call):
     names = {line.split()[0] for line in out.splitlines() if line.strip()}
     assert names >= {*INVARIANTS, "no-error", "hangs", "equal-digest", "can-be-judged"}
     assert "Making a run raises no error" in out
+    assert "Check that" not in out
+    assert "No body touches an obstacle" in out
+
+
+def test_numbers_of_a_summary_agree_with_their_verbs(call):
+    _, out, _ = call("run", "--missions", "1")
+    assert "1 mission, 0 of them failed; 0 were repeated" in out
+    assert "; 1 draw was impossible and drawn again" in out

@@ -13,6 +13,10 @@ def test_strategies_lists_names_and_options(call):
     assert (code, err) == (0, "")
     for option, default in (("alpha", "0.8"), ("cones", "16"), ("approach", "true")):
         assert re.search(rf"{option} +{default} +\w", out)
+    text = " ".join(out.split())
+    assert "need a base station. Values: in-time, never, worth." in text
+    assert "`HomeOptions`" not in text
+    assert "Values: true" not in text
     code, _, err = call("strategies", "srt-square")
     assert code == 2
     assert err.count("\n") == 1

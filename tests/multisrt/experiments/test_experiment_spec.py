@@ -219,24 +219,24 @@ START = 'name = "x"\nenvironments = ["open"]\nstrategies = ["srt-star"]\n'
         (START + "repetitions = 0", "repetitions: Expected a whole number >= 1"),
         (
             START + 'starts = ["scatered"]',
-            "starts[0]: Invalid enum value 'scatered'; allowed: 'clustered', 'random', 'scattered'",
+            "starts[0]: unknown value 'scatered'; allowed: 'clustered', 'random', 'scattered'",
         ),
         (
             START + 'radios = [{ range_m = 9, walls = "blok" }]',
-            "radios[0].walls: Invalid enum value 'blok'; allowed: 'block', 'pass', 'weaken'",
+            "radios[0].walls: unknown value 'blok'; allowed: 'block', 'pass', 'weaken'",
         ),
         (
             START + 'recordings = "some"',
-            "recordings: Invalid enum value 'some'; allowed: 'all', 'failed', 'none'",
+            "recordings: unknown value 'some'; allowed: 'all', 'failed', 'none'",
         ),
         (
             START + 'faults = [{ label = "a", faults = [{ fault = "deth", robot = 0 }] }]',
-            "faults[0].faults[0].fault: Invalid value 'deth'; allowed: 'death', 'silence'",
+            "faults[0].faults[0].fault: unknown value 'deth'; allowed: 'death', 'silence'",
         ),
         (START + "faults = [{ deaths = 1 }]", "faults[0]: missing field `label`"),
         (
             START + 'bodies = ["disc:0.2", { drive = { kind = "train" } }]',
-            "bodies[1].drive.kind: Invalid enum value 'train'; allowed: 'differential'",
+            "bodies[1].drive.kind: unknown value 'train'; allowed: 'differential'",
         ),
         (
             START + 'robots = [{ label = "a", members = [{ start = "here" }] }]',

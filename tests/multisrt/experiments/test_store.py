@@ -289,12 +289,19 @@ def both_ways(path, match):
 def test_other_files_are_refused(tmp_path, path):
     with pytest.raises(InvalidInputError, match="No such file"):
         Store.open(path)
-    with pytest.raises(InvalidInputError, match="cannot write"):
-        Store.create_or_open(tmp_path / "no-such-folder" / "x.sqlite", SPEC)
     both_ways(tmp_path, "is a folder; name the file of results in it")
     path.write_text("key,status\n")
     both_ways(path, "not a file of results")
     assert path.read_text() == "key,status\n"
+
+
+def test_missing_folders_are_made(tmp_path):
+    path = tmp_path / "new" / "newer" / "x.sqlite"
+    with Store.create_or_open(path, SPEC) as store:
+        assert store.done == 0
+    assert [file.name for file in path.parent.iterdir()] == ["x.sqlite"]
+    with pytest.raises(InvalidInputError, match=r"cannot create the folder .*x.sqlite.more: .*; c"):
+        Store.create_or_open(path / "more" / "y.sqlite", SPEC)
 
 
 def test_an_empty_file_becomes_a_store(path):

@@ -117,7 +117,7 @@ def test_what_is_no_action_is_found(nonsense):
         (Receive(float("nan")), "timeout_s of its Receive is nan, a float"),
         (Note(cast(Any, "hello")), "on record"),
         (Note(MapComplete(time_s=0, robot=0)), "a whole number where its class declares a float"),
-        (Note(ARC), "reason: Invalid enum value 'narrow'; allowed: 'blocked by"),
+        (Note(ARC), "reason: unknown value 'narrow'; allowed: 'blocked by"),
         (Stop(), "it stands"),
         (Move(trajectory=cast(Any, ((0.0, 3.0, 3.0, 0.0),))), "trajectory of its Move is"),
         (Move(trajectory=Trajectory(())), "its trajectory has no waypoint"),

@@ -431,6 +431,15 @@ def test_a_limit_that_is_too_short_is_refused(limit_s, base, match):
         go(NARROW, (1.0, 0.6), home="in-time", limit_s=limit_s, base=base)
 
 
+def test_the_limit_that_is_named_is_enough_for_all_robots():
+    starts = [(1.0, 0.6), (31.0, 0.6), (11.0, 0.6)]
+    with pytest.raises(InvalidInputError, match=r"robot 1 begins .* of at least 80 s"):
+        go(NARROW, *starts, home="in-time", limit_s=10.0)
+    with pytest.raises(InvalidInputError, match="at least 80 s"):
+        go(NARROW, *starts, home="in-time", limit_s=79.0)
+    go(NARROW, *starts, home="in-time", limit_s=80.0)
+
+
 # Worth it ----------------------------------------------------------------------------------------
 
 

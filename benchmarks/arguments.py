@@ -1,0 +1,59 @@
+"""Arguments of the commands of benchmarks: their parser, and numbers within bounds."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+
+
+def parser_of(command: str, description: str, examples: str) -> argparse.ArgumentParser:
+    """Return a parser whose help ends with examples.
+
+    Parameters
+    ----------
+    command : str
+        Name of the module, such as ``benchmarks.fuzz``.
+    description : str
+        What the command does, and how long it takes; lines are kept.
+    examples : str
+        A call in each line, each without ``python -m`` and the name of the module.
+
+    Examples
+    --------
+    >>> parser_of("benchmarks.mine", "Do nothing.", "--seed 3").format_help().splitlines()[-2:]
+    ['examples:', '  python -m benchmarks.mine --seed 3']
+    """
+    program = f"python -m {command}"
+    calls = "\n".join(f"  {program} {line.strip()}".rstrip() for line in examples.splitlines())
+    return argparse.ArgumentParser(
+        prog=program,
+        description=description,
+        epilog=f"examples:\n{calls}",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+
+
+def at_least(minimum: int) -> Callable[[str], int]:
+    """Return the type of an argument that is a whole number, not below a bound.
+
+    Examples
+    --------
+    >>> at_least(1)("3")
+    3
+    >>> at_least(1)("0")
+    Traceback (most recent call last):
+    argparse.ArgumentTypeError: '0' is not a whole number of at least 1
+    """
+
+    def number(text: str) -> int:
+        try:
+            value = int(text)
+        except ValueError:
+            value = minimum - 1
+        if value < minimum:
+            raise argparse.ArgumentTypeError(
+                f"{text!r} is not a whole number of at least {minimum}"
+            )
+        return value
+
+    return number

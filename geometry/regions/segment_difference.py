@@ -406,4 +406,4 @@ def intersect_pieces(
 def _is_on(a: FloatArray, b: FloatArray, ux: float, uy: float) -> bool:
     # Whether a point b is farther on in a direction than a, where rounding makes them equally far.
     # Of points at two lengths along a segment, no coordinate of the farther one is farther back.
-    return ux * b[0] > ux * a[0] or uy * b[1] > uy * a[1]
+    return bool(ux * b[0] > ux * a[0] or uy * b[1] > uy * a[1])

@@ -29,7 +29,7 @@ add   adds the missions of files of multisrt campaign run to docs/results/campai
       of what the same program and seed came to before
 page  writes docs/results/campaign.md
 
-Both take a second."""
+Neither makes a run."""
 
 EXAMPLES: Final = """
 add out/campaign/missions.sqlite

@@ -98,9 +98,9 @@ def of_campaign_store(path: Path) -> str:
 def of_failure(path: Path) -> Failure:
     """Read the folder of a failure, whose spec is beside the file that says what failed."""
     with _alone(path) as own:
-        own.rename(own.with_name(FAILURE_NAME))
+        failed = own.rename(own.with_name(FAILURE_NAME))
         shutil.copy(path.with_name(SPEC_NAME), own.parent)
-        failure, _ = read_failure(own)
+        failure, _ = read_failure(failed)
     return failure
 
 

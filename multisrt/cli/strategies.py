@@ -76,9 +76,9 @@ def strategies(words: tuple[str, ...]) -> None:
     fields = msgspec.structs.fields(chosen.options)
     for field in sorted(fields, key=lambda field: -defined[field.name]):
         meaning = meanings.get(field.name, "")
-        words = allowed_words(field.type)
-        if set(words) - set(PLAIN):
-            meaning = f"{meaning} Values: {', '.join(words)}.".strip()
+        values = allowed_words(field.type)
+        if set(values) - set(PLAIN):
+            meaning = f"{meaning} Values: {', '.join(values)}.".strip()
         listed.add_row(field.name, written(field.default), meaning)
     show(listed)
 

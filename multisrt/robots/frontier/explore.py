@@ -279,10 +279,6 @@ class FrontierExplorer:
         if ended is Event.REACHED:
             robot.frontiers.note_reached(goal.place, robot.at[:2])
         elif ended is Event.NO_WAY:
-            if robot.has_scan_to_map:
-                # What bars the path may be in the last scan, and not on the map.
-                yield from robot.map_last_scan()
-                return Event.NEWS
             if robot.options.replan == "arrival" and not robot.is_frontier(*goal.place):
                 # It cannot go on to a goal at which nothing is left: there is nothing to give up.
                 return Event.NOTHING_LEFT

@@ -124,7 +124,7 @@ def reproduce(
 
     from multisrt.presets import preset_named
     from multisrt.presets.summary import summary
-    from multisrt.recording import atomic_write
+    from multisrt.recording import atomic_write, make_folder
     from multisrt.reporting.page import write_report
     from multisrt.terminal import LiveLine
 
@@ -137,7 +137,7 @@ def reproduce(
     out = out or Path("reproduced") / _folder_name(name, quick, own_map)
     path = store or out / STORE_NAME
     _require_own_summary(out / SUMMARY_NAME, path)
-    _make_folder(out)
+    make_folder(out, "choose another with --out")
     ablations = None
     if preset.ablations is not None and not omitted.ablations:
         ablations = preset.ablations.experiment(preset.experiment(quick), quick=quick)
@@ -229,18 +229,6 @@ def _require_own_summary(summary: Path, store: Path) -> None:
             f"{summary} exists already, and there are no results in {store}: choose another folder "
             "with --out"
         )
-
-
-def _make_folder(folder: Path) -> None:
-    from multisrt.geometry.errors import InvalidInputError
-
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InvalidInputError(
-            f"cannot create the folder {folder}: {error.strerror or error}; choose another "
-            "with --out"
-        ) from None
 
 
 def _print_verdicts(preset: Preset, results: Results, claims: list[Claim]) -> None:

@@ -35,13 +35,15 @@ def atomic_write(path: Path) -> Iterator[IO[bytes]]:
         raise
 
 
-def make_folder(folder: Path) -> None:
+def make_folder(folder: Path, remedy: str = "choose another one") -> None:
     """Make a folder and those above it, unless they are there.
 
     Parameters
     ----------
     folder : Path
         The folder.
+    remedy : str
+        What to do if it cannot be made.
 
     Raises
     ------
@@ -52,5 +54,5 @@ def make_folder(folder: Path) -> None:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise InvalidInputError(
-            f"cannot create the folder {folder}: {error.strerror or error}; choose another one"
+            f"cannot create the folder {folder}: {error.strerror or error}; {remedy}"
         ) from None

@@ -125,9 +125,10 @@ def drive_leg(
 def pull_out(
     robot: FrontierRobot, purpose: Purpose
 ) -> Generator[Action, Outcome, Event | Sighting | None]:
-    """Drive straight on or back to where a body that is no disc has room to turn in place.
+    """Drive straight to where a body that is no disc has room to turn in place.
 
-    A robot does so once at a place, from which no leg of a path begins, as its corners would touch.
+    The body turns first, by as little as it can. A robot does so only once at each place from which
+    it cannot begin a leg of a path, as its corners would touch.
 
     Returns
     -------

@@ -10,14 +10,9 @@ import numpy as np
 
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.numerics.kernel import FloatArray, kernel
+from multisrt.geometry.regions.beams import MIN_BEAMS, MIN_CORNER_RAD
 from multisrt.geometry.regions.boundary import GAP, OBSTACLE, RANGE, TagArray
 from multisrt.geometry.regions.scan import LaserScan, beam_spacing_rad
-
-MIN_BEAMS: Final = 5
-"""Minimum number of beams from which a region can be made."""
-
-MIN_CORNER_RAD: Final = math.radians(45.0)
-"""Minimum angle in radians of the corners of obstacles that may stand between two beams."""
 
 MIN_INCIDENCE_RAD: Final = math.radians(10.0)
 """Minimum angle in radians between a beam and a surface for neighbouring beams to count as hits of
@@ -61,12 +56,6 @@ def boundary_from_beams(scan: LaserScan) -> tuple[FloatArray, TagArray]:
     directions = _directions(len(scan.ranges), spacing)
     boundary, tags = _chords(scan.ranges, scan.range_m, x, y, spacing, directions)
     return boundary, tags
-
-
-def sure_reach(scan: LaserScan) -> float:
-    """Return the distance in metres that is surely free between two beams that hit nothing."""
-    half = 0.5 * beam_spacing_rad(scan)
-    return scan.range_m * (math.cos(half) - math.sin(half) / math.tan(0.5 * MIN_CORNER_RAD))
 
 
 @lru_cache(maxsize=16)

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.numerics.kernel import FloatArray
-from multisrt.geometry.regions.beam_chords import MIN_BEAMS
+from multisrt.geometry.regions.beams import MIN_BEAMS
 from multisrt.geometry.regions.boundary import GAP, OBSTACLE, RANGE
 from multisrt.geometry.regions.scan import ExactScan, LaserScan
 

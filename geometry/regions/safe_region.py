@@ -26,7 +26,8 @@ from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.numerics.boxes import bounds_of
 from multisrt.geometry.numerics.distances import inside
 from multisrt.geometry.numerics.kernel import FloatArray, kernel
-from multisrt.geometry.regions.beam_chords import boundary_from_beams, sure_reach
+from multisrt.geometry.regions.beam_chords import boundary_from_beams
+from multisrt.geometry.regions.beams import sure_reach
 from multisrt.geometry.regions.boundary import TagArray, arc_divisions, arc_tolerance
 from multisrt.geometry.regions.cones import Cones, cut_at_smallest_readings
 from multisrt.geometry.regions.scan import LaserScan, Scan
@@ -149,7 +150,7 @@ def local_safe_region(
     reach = scan.range_m
     if isinstance(scan, LaserScan):
         boundary, tags = boundary_from_beams(scan)
-        reach = sure_reach(scan)
+        reach = sure_reach(scan.range_m, len(scan.ranges))
     else:
         boundary, tags = scan.boundary, scan.tags
     x, y, _ = scan.configuration

@@ -13,7 +13,6 @@ from multisrt.events import NodeAdded, Pose, Sensed
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import ClearanceError, InvalidInputError
 from multisrt.geometry.numerics.kernel import FloatArray
-from multisrt.geometry.regions.beam_chords import MIN_BEAMS
 from multisrt.geometry.regions.edge_index import EdgeIndex
 from multisrt.geometry.regions.safe_region import local_safe_region
 from multisrt.geometry.regions.scan import take_scan
@@ -84,8 +83,6 @@ def shown_from(
     """Return what a range finder shows from some places; see `scanned_regions`."""
     if finder.beams is None:
         return visibility_polygons(index, np.array(places)[:, :2], finder.range_m)
-    if finder.beams < MIN_BEAMS:
-        return [np.empty((0, 2))] * len(places)
     scans = (
         take_scan(index, Configuration(*place), math.nan, finder.range_m, finder.beams)
         for place in places

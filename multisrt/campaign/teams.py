@@ -10,8 +10,9 @@ import shapely
 from multisrt.campaign.chance import Chance
 from multisrt.campaign.lasers import MAX_BEAMS, SPACINGS_M, are_found
 from multisrt.environments.environment import Environment
+from multisrt.geometry.bodies.footprint import Footprint
+from multisrt.geometry.regions.beams import MIN_BEAMS
 from multisrt.spec import (
-    MIN_BEAMS,
     BaseSpec,
     Death,
     DriveSpec,
@@ -71,11 +72,11 @@ def draw_robots(chance: Chance, environment: Environment) -> tuple[RobotSpec, ..
 
 
 def _robot(chance: Chance, environment: Environment) -> RobotSpec:
-    return RobotSpec(
-        footprint=_footprint(chance),
-        drive=_drive(chance),
-        range_finder=_range_finder(chance, environment),
-    )
+    footprint, drive = _footprint(chance), _drive(chance)
+    range_finder = _range_finder(chance, environment)
+    if range_finder.free_reach_m <= Footprint.parse(footprint).circumscribed_radius_m:
+        range_finder = RangeFinderSpec(range_m=range_finder.range_m)  # too few beams for this body
+    return RobotSpec(footprint=footprint, drive=drive, range_finder=range_finder)
 
 
 def _started(robot: RobotSpec, chance: Chance, environment: Environment) -> RobotSpec:

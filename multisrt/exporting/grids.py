@@ -23,7 +23,6 @@ from multisrt.geometry.errors import ClearanceError, InvalidInputError
 from multisrt.geometry.grids.occupancy import FREE, OCCUPIED, Occupancy
 from multisrt.geometry.grids.polygon_fill import paint_polygon
 from multisrt.geometry.numerics.arrays import BoolArray, ByteArray, FloatArray
-from multisrt.geometry.regions.beam_chords import MIN_BEAMS
 from multisrt.geometry.regions.boundary import OBSTACLE
 from multisrt.geometry.regions.edge_index import EdgeIndex
 from multisrt.geometry.regions.safe_region import LocalSafeRegion, local_safe_region
@@ -192,8 +191,7 @@ class ShownRegions:
                 for name in event.nodes:
                     yield self._region(self._nodes[name])
             case Sensed() if event.robot not in self._with_nodes:
-                if (region := self._shown(event)) is not None:
-                    yield region
+                yield self._shown(event)
 
     def _region(self, node: NodeAdded) -> LocalSafeRegion:
         name = node.robot, node.serial
@@ -208,10 +206,8 @@ class ShownRegions:
             )
         return self._regions[name]
 
-    def _shown(self, scan: Sensed) -> LocalSafeRegion | None:
+    def _shown(self, scan: Sensed) -> LocalSafeRegion:
         finder = self._finders[scan.robot]
-        if finder.beams is not None and finder.beams < MIN_BEAMS:
-            return None
         place = Configuration(*scan.configuration)
         try:
             taken = take_scan(self._index, place, scan.time_s, finder.range_m, finder.beams)

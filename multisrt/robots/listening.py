@@ -95,7 +95,10 @@ class Listener(ABC):
         self.period_s = question_period_s(me.radio, ask_period_s)
         self._clock = robot
         self._entries = entries
+        # By robot, when its entries were asked for without an answer yet, and what was heard of
+        # more of them since: from whom, and how many entries it has.
         self._wanted: dict[int, float] = {}
+        self._put_off: dict[int, tuple[int, Counts]] = {}
 
     @property
     def is_alone(self) -> bool:
@@ -171,10 +174,19 @@ class Listener(ABC):
                 return
 
     def learn(self, entries: tuple[Entry, ...]) -> Steps:
-        """Add entries of others to the map, and record which nodes were new."""
+        """Add entries of others to the map, and record which nodes were new.
+
+        They answer the questions for entries of their robots: whatever was heard of meanwhile is
+        asked for now.
+        """
         new = self._merge(entries)
         if new:
             yield Note(Learned(time_s=self._clock.time_s, robot=self.number, nodes=new))
+        for robot in sorted({entry.id.robot for entry in entries}):
+            self._wanted.pop(robot, None)
+            put_off = self._put_off.pop(robot, None)
+            if put_off is not None:
+                yield from self._ask_for_missing(*put_off)
 
     @abstractmethod
     def _merge(self, entries: tuple[Entry, ...]) -> tuple[NodeId, ...]:
@@ -202,7 +214,9 @@ class Listener(ABC):
             yield Send(EntriesMessage(sender=self.number, entries=entries), message.sender)
 
     def _ask_for_missing(self, other: int, theirs: Counts) -> Generator[Action, Outcome, bool]:
-        """Ask another robot for the entries that it has and this one lacks, if not done lately.
+        """Ask another robot for the entries that it has and this one lacks.
+
+        Not if a question for them is under way, that is, for the time in which it is not repeated.
 
         Returns
         -------
@@ -213,6 +227,7 @@ class Listener(ABC):
         if robot is None:
             return False
         if self._clock.time_s < self._wanted.get(robot, -math.inf) + self.period_s:
+            self._put_off[robot] = other, theirs
             return False
         self._wanted[robot] = self._clock.time_s
         yield Send(WantMessage(sender=self.number, have=self._entries.counts()), other)

@@ -14,7 +14,6 @@ from multisrt.spec.radio import RadioSpec
 from multisrt.spec.robots import (
     MAX_BEAMS,
     MAX_RANGE_M,
-    MIN_BEAMS,
     MIN_RANGE_M,
     DriveSpec,
     RangeFinderSpec,
@@ -25,7 +24,6 @@ from multisrt.spec.run import PlacedHow, RunSpec, StopRule
 __all__ = [
     "MAX_BEAMS",
     "MAX_RANGE_M",
-    "MIN_BEAMS",
     "MIN_RANGE_M",
     "BaseSpec",
     "CatalogEnvironment",

@@ -9,6 +9,7 @@ import msgspec
 
 from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.regions.beams import MIN_BEAMS, sure_reach
 from multisrt.planners.motion.kinematics import Car, Differential, Holonomic, Kinematics
 from multisrt.spec.part import Part
 
@@ -18,8 +19,8 @@ MIN_RANGE_M, MAX_RANGE_M = 0.01, 1e6
 TURNING_RADIUS_M = 0.6
 """Minimum turning radius of a car that is given none, in metres."""
 
-MIN_BEAMS, MAX_BEAMS = 5, 100_000
-"""Bounds of the number of beams of a laser; far more would exhaust the memory."""
+MAX_BEAMS = 100_000
+"""Bound of the number of beams of a laser; far more would exhaust the memory."""
 
 
 class DriveSpec(Part, frozen=True, kw_only=True):
@@ -128,6 +129,15 @@ class RangeFinderSpec(Part, frozen=True, kw_only=True):
                 f"a laser has {MIN_BEAMS} to {MAX_BEAMS} beams, not {self.beams}"
             )
 
+    @property
+    def free_reach_m(self) -> float:
+        """Radius of the free space around it that it shows where nothing is near, in metres.
+
+        A laser shows less than its range, as obstacles may stand between its beams; one of few
+        beams shows nothing, 0 or less.
+        """
+        return self.range_m if self.beams is None else sure_reach(self.range_m, self.beams)
+
 
 class RobotSpec(Part, frozen=True, kw_only=True):
     """One robot.
@@ -147,7 +157,8 @@ class RobotSpec(Part, frozen=True, kw_only=True):
     Raises
     ------
     InvalidInputError
-        If the footprint is invalid, or the start is not finite.
+        If the footprint is invalid, the start is not finite, or the range finder does not show the
+        space to be free that the body takes, so that it would see no way to move.
 
     Examples
     --------
@@ -161,7 +172,17 @@ class RobotSpec(Part, frozen=True, kw_only=True):
     range_finder: RangeFinderSpec = RangeFinderSpec()
 
     def __post_init__(self) -> None:
-        Footprint.parse(self.footprint)
+        body_m = Footprint.parse(self.footprint).circumscribed_radius_m
+        shown_m = self.range_finder.free_reach_m
+        if shown_m <= body_m:
+            beams = self.range_finder.beams
+            sensor = "range finder" if beams is None else f"laser of {beams} beams"
+            raise InvalidInputError(
+                f"a {sensor} with a range of {self.range_finder.range_m:g} m shows free space only "
+                f"{max(0.0, shown_m):.3g} m around, and the body {self.footprint} needs "
+                f"{body_m:.3g} m: it would see no way to move; give it a longer range"
+                + ("" if beams is None else " or more beams")
+            )
         if self.start is None:
             return
         if len(self.start) not in (2, 3):

@@ -63,7 +63,7 @@ robots = st.builds(
         turn_rate_rad_s=positive,
     ),
     range_finder=st.builds(
-        RangeFinderSpec, range_m=st.floats(0.01, 1e6), beams=st.none() | st.integers(5, 5000)
+        RangeFinderSpec, range_m=st.floats(3.0, 1e6), beams=st.none() | st.integers(40, 5000)
     ),
 )
 specs = st.builds(
@@ -227,6 +227,24 @@ def test_lengths_rates_and_times_are_positive_and_finite(build, field, named, ba
 def test_starts_are_two_or_three_finite_numbers(start):
     with pytest.raises(InvalidInputError, match="start"):
         RobotSpec(start=start)
+
+
+@pytest.mark.parametrize(
+    ("footprint", "range_m", "beams", "shown"),
+    [
+        ("disc:0.3", 0.3, None, "range finder with a range of 0.3 m .* only 0.3 m"),
+        ("box:0.8x0.6", 0.49, None, "only 0.49 m around"),
+        ("disc:0.25", 5.0, 8, "laser of 8 beams .* only .*the body disc:0.25 .* or more beams$"),
+        ("polygon:-0.215,-0.188 0.397,0.000 -0.215,0.188", 0.875, 14, "only 0.383 m"),
+    ],
+)
+def test_a_range_finder_that_shows_less_than_the_body_takes_is_refused(
+    footprint, range_m, beams, shown
+):
+    with pytest.raises(InvalidInputError, match=shown):
+        RobotSpec(footprint=footprint, range_finder=RangeFinderSpec(range_m=range_m, beams=beams))
+    range_finder = RangeFinderSpec(range_m=range_m + 0.05, beams=None if beams is None else 16)
+    RobotSpec(footprint=footprint, range_finder=range_finder)
 
 
 RUN_OF_A_MINUTE: dict[str, Any] = {

@@ -282,7 +282,7 @@ class FrontierExplorer:
             if robot.options.replan == "arrival" and not robot.is_frontier(*goal.place):
                 # It cannot go on to a goal at which nothing is left: there is nothing to give up.
                 return Event.NOTHING_LEFT
-            self.judge_no_path(goal)
+            yield from self.judge_no_path(goal)
         return ended
 
     def judge_errand(self, errand: Errand, ended: Event) -> Act:
@@ -329,13 +329,21 @@ class FrontierExplorer:
         yield from self.end_errand(errand)
         return Event.ERRAND_OVER
 
-    def judge_no_path(self, goal: Goal) -> None:
-        """Give a goal up if the path to it was not free too often; see `Progress.note_no_path`."""
+    def judge_no_path(self, goal: Goal) -> Steps:
+        """Give a goal up if the path to it was not free too often; see `Progress.note_no_path`.
+
+        If what bars the path may be in a scan that is not on the map, it looks first, and adds what
+        it sees.
+        """
         robot = self.robot
         robot.course.note_no_path()
         if robot.car is not None:
             robot.frontiers.note_no_path(goal.place, robot.bodies.numbers())
-        if self.progress.note_no_path(goal.place):
+        if not self.progress.note_no_path(goal.place):
+            return
+        if robot.has_scan_to_map:
+            yield from robot.perceive()
+        else:
             robot.frontiers.give_up(goal.place)
 
     def request(self) -> Event:

@@ -315,6 +315,11 @@ class FrontierRobot:
         next_s = self._mapped_s + self.options.sense_period_s
         yield from self.perceive(maps=self.time_s >= next_s - ROUNDING_S)
 
+    @property
+    def has_scan_to_map(self) -> bool:
+        """Whether the last scan is not on the map."""
+        return self._not_mapped is not None
+
     def map_last_scan(self) -> Steps:
         """Add the last scan to the map, if that has not been done."""
         if self._not_mapped is not None:

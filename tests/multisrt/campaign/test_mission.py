@@ -96,7 +96,7 @@ def test_a_run_without_end_is_a_violation(own, way, monkeypatch):
 
 
 def test_an_impossible_run_is_refused():
-    wide = RobotSpec(footprint="disc:4")
+    wide = RobotSpec(footprint="disc:4", range_finder=RangeFinderSpec(range_m=5.0))
     verdict = judge(RunSpec(environment=HALL, robots=(wide,)))
     assert (verdict.outcome, verdict.violations) == ("refused", ())
     assert "disc:4" in verdict.reason

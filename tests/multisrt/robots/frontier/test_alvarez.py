@@ -409,8 +409,10 @@ def test_other_strategies_say_nothing_of_aims():
 
 
 def test_a_robot_that_sees_nothing_searches_from_the_nearest_cell():
-    # Eight beams show nothing for certain: robot 1 knows only what robot 0 tells it from afar.
-    blind = RobotSpec(start=(7.0, 7.0), range_finder=RangeFinderSpec(range_m=1.0, beams=8))
+    # Nine beams show no cell in which the body surely has room: robot 1 knows only what robot 0
+    # tells it from afar.
+    nine_beams = RangeFinderSpec(range_m=1.0, beams=9)
+    blind = RobotSpec(start=(7.0, 7.0), footprint="disc:0.11", range_finder=nine_beams)
     spec = RunSpec(
         environment=CatalogEnvironment(name="open", parameters={"size_m": 8.0}),
         strategy="rules",

@@ -353,7 +353,7 @@ def test_a_goal_without_a_path_is_tried_again_on_news():
 
     for _ in range(2):
         assert is_target()
-        explorer.judge_no_path(goal)
+        list(explorer.judge_no_path(goal))
     assert not is_target()
     assert not robot.frontiers.reopen(())
     robot.raster._changes.revision += 1
@@ -373,7 +373,7 @@ def test_a_goal_without_a_path_round_a_body_is_not_explored():
     # Each place that is given up leaves other cells of its frontier, a finite number.
     while len(targets := robot.targets()):
         x, y = targets[0].tolist()
-        explorer.judge_no_path(Goal(x, y, np.array([(2.0, 2.0), (x, y)]), 2.24))
+        list(explorer.judge_no_path(Goal(x, y, np.array([(2.0, 2.0), (x, y)]), 2.24)))
     # The body does not answer: the robot does not wait, but its map is not complete.
     assert explorer.why_no_goal() is Event.BOXED_IN
     robot.bodies.note_heard(1)

@@ -12,7 +12,7 @@ from multisrt.events import Decided
 from multisrt.robots.explorer import Done, Note, Receive
 from multisrt.robots.registry import registered
 from multisrt.robots.strategy import Strategy
-from multisrt.spec import CatalogEnvironment, RobotSpec, RunSpec, StopRule
+from multisrt.spec import CatalogEnvironment, RangeFinderSpec, RobotSpec, RunSpec, StopRule
 
 HALL = CatalogEnvironment(name="open", parameters={"size_m": 6.0})
 

@@ -203,7 +203,8 @@ def page(campaigns: Sequence[Campaign]) -> str:
         "robot had a way, or waited for longer than its limits.\n"
         "- Runs *out of time* have a limit that was drawn shorter than the exploration takes. In "
         "each of them it is judged that nobody stood for longer than the limits of its waits "
-        "together, so that somebody was at work when the time was over.\n"
+        "together, and that no robot drove farther without a step forward than all walls are long "
+        "together, so that they were at work when the time was over.\n"
         "- *Most events* are those of one recording; *slowest* is the elapsed time of a run and "
         "its judging, on a machine with other work.",
         "## The campaigns",

@@ -31,6 +31,7 @@ from multisrt.campaign.invariants.links import messages_over_links, reaches_all_
 from multisrt.campaign.invariants.measures import measures_consistent
 from multisrt.campaign.invariants.merging import closings_are_for_some, merge_order
 from multisrt.campaign.invariants.motion import motion_continuous, motion_within_drive
+from multisrt.campaign.invariants.progress import drives_get_somewhere
 from multisrt.campaign.invariants.starting import starts_and_faults
 from multisrt.campaign.invariants.waiting import waits_within_limits
 from multisrt.campaign.judged_run import JudgedRun
@@ -58,6 +59,7 @@ INVARIANTS: Final[Mapping[str, Invariant]] = MappingProxyType(
         "complete-is-complete": complete_is_complete,
         "boxed-in-is-boxed-in": boxed_in_is_boxed_in,
         "waits-within-limits": waits_within_limits,
+        "drives-get-somewhere": drives_get_somewhere,
         "measures-consistent": measures_consistent,
     }
 )

@@ -97,8 +97,9 @@ def complete_is_complete(run: JudgedRun) -> Violation | None:
     `contact_tolerance_m` of a wall, and with a laser what is so near to a wall that its beams leave
     it out. Not judged are cars, whose turns are not worked out here: they give up places to which
     they find no path; bidding robots with `shape=ball`, which drive within the last ball, find no
-    way in one that is as small as a wall is near, and give up all goals; and SRT with
-    `gaps_count=false`, which leaves gaps by its rules.
+    way in one that is as small as a wall is near, and give up all goals; SRT with
+    `gaps_count=false`, which leaves gaps by its rules; and robots whose few beams show no more free
+    space around them than the body and its distance from walls take.
 
     Cost: some overlays for each robot that says so.
     """
@@ -142,6 +143,9 @@ def _may_judge(run: JudgedRun, robot: int) -> bool:
     if run.family == "other" or run.recording.spec.robots[robot].drive.is_car:
         return False
     if math.isfinite(run.present_s(robot)[1]):
+        return False
+    shown_m = run.recording.spec.robots[robot].range_finder.free_reach_m
+    if shown_m <= reach_of(run, robot).off_walls_m:
         return False
     if run.family == "frontier":
         return bool(run.options["shape"] != "ball")

@@ -848,6 +848,61 @@ def test_one_robot_of_a_team_that_waits_for_ever_is_found():
         assert ("robot 0 does not do" in broken(run, "waits-within-limits")) is is_found
 
 
+def to_and_fro(laps: int) -> list[Motion]:
+    """Return motions of 2 m each, two in a lap of 8 s."""
+    ends = ((1.0, 1.5, 0.0), (3.0, 1.5, 0.0), (1.0, 1.5, 0.0))
+    return [
+        drive(0, (4.0 * k, *ends[k % 2]), (4.0 * k + 4.0, *ends[k % 2 + 1]))
+        for k in range(2 * laps)
+    ]
+
+
+def test_a_robot_that_drives_in_circles_is_found():
+    # The walls of the room are 14 m long.
+    def run(laps, *events, strategy="closest"):
+        return written(
+            [*to_and_fro(laps), *events],
+            starts=((1.0, 1.5, 0.0),),
+            strategy=strategy,
+            end_s=8.0 * laps,
+            outcome="out_of_time",
+        )
+
+    name = "drives-get-somewhere"
+    assert not broken(run(3), name)
+    assert "robot 0 drives 16.0 m from 0.00 s to 32.00 s" in broken(run(4), name)
+    assert broken(run(4, strategy="srt-radial"), name)
+    assert not broken(run(4, strategy="informed"), name)
+    # The same goal again and again is a step forward once.
+    goals = [
+        GoalChosen(
+            time_s=8.0 * k, robot=0, rule="closest", because="news", goal=(3.0, 1.5 + 0.01 * k)
+        )
+        for k in range(8)
+    ]
+    assert "drives 16.0 m" in broken(run(4, *goals), name)
+    elsewhere = replace(goals[2], goal=(1.2, 1.5))
+    assert not broken(run(4, elsewhere), name)
+    assert not broken(run(4, Learned(time_s=20.0, robot=0, nodes=((1, 0),))), name)
+    # A region that shows nothing new is a step forward with SRT alone.
+    room = ((0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0))
+    nodes = [
+        NodeAdded(
+            time_s=1.0 + 16.0 * k,
+            robot=0,
+            serial=k,
+            parent=None,
+            configuration=(2.0, 1.5, 0.0),
+            boundary=room,
+            tags="0000",
+            stage="scan",
+        )
+        for k in range(2)
+    ]
+    assert "drives 15.5 m from 1.00 s" in broken(run(4, *nodes), name)
+    assert not broken(run(4, *nodes, strategy="srt-radial"), name)
+
+
 def test_a_standstill_that_the_stop_rule_ends_is_found(srt):
     reason = "no robot moved, sensed or learned anything new for 3,600 s: robots 0 and 1 wait"
     assert reason in broken(changed(srt, outcome="stalled", reason=reason), "waits-within-limits")

@@ -1,0 +1,116 @@
+"""Robots that drive get somewhere: none drives in circles."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final
+
+import numpy as np
+import shapely
+
+from multisrt.campaign.bodies import FloatArray
+from multisrt.campaign.judged_run import JudgedRun
+from multisrt.campaign.violations import Violation
+from multisrt.events import (
+    ArcClosed,
+    CameBack,
+    Died,
+    Ended,
+    FellSilent,
+    GoalChosen,
+    Joined,
+    Learned,
+    NodeAdded,
+)
+
+NAME: Final = "drives-get-somewhere"
+
+POINTS: Final = 4000
+"""Number of points, about, that stand for the free space."""
+
+GOAL_M: Final = 0.5
+"""Side of the squares whose goals are one, in metres."""
+
+
+def drives_get_somewhere(run: JudgedRun) -> Violation | None:
+    """Check that no robot drives on and on without a step forward.
+
+    Between two steps forward a robot drives at most as far as all walls of the world are long
+    together; to any place and back is shorter. A step forward of all robots is a region that shows
+    a place that none of them had seen, of some 4000 in the free space, an arc that is closed, an
+    end, and a fault that strikes or is over. A step of one robot is that it learns of a node of
+    another one, and that it chooses a goal in a square of 0.5 m where it has had none. With the
+    SRT family a node is a step, as one that is not new ends at an arc. There are finitely many
+    such steps, so that a robot that goes to and fro for ever is found once its run is long enough.
+
+    Cost: each region tests the points that no earlier one has shown.
+    """
+    if run.family == "other":
+        return None
+    limit_m = float(shapely.length(run.environment.free))
+    shared = _shared_steps(run)
+    for robot in run.robots:
+        steps = np.unique([0.0, *shared, *_own_steps(run, robot), run.end_s])
+        driven_m = np.diff(_driven_m(run, robot, steps))
+        longest = int(driven_m.argmax()) if len(driven_m) else 0
+        if len(driven_m) and driven_m[longest] > limit_m:
+            return Violation(
+                invariant=NAME,
+                says=f"robot {robot} drives {driven_m[longest]:.1f} m from {steps[longest]:.2f} s "
+                f"to {steps[longest + 1]:.2f} s, and gets nowhere; all walls are {limit_m:.1f} m",
+                robot=robot,
+                time_s=float(steps[longest]),
+            )
+    return None
+
+
+def _shared_steps(run: JudgedRun) -> list[float]:
+    """Return the times of the steps forward that count for all robots."""
+    unseen = _points_in(run.environment.free)
+    times = []
+    for event in run.recording.events:
+        match event:
+            case NodeAdded():
+                region = run.regions[event.robot, event.serial]
+                shown = shapely.contains_xy(region, unseen[:, 0], unseen[:, 1])
+                unseen = unseen[~shown]
+                if shown.any() or run.family == "srt":
+                    times.append(event.time_s)
+            case ArcClosed() | Ended() | Died() | Joined() | FellSilent() | CameBack():
+                times.append(event.time_s)
+    return times
+
+
+def _own_steps(run: JudgedRun, robot: int) -> Iterator[float]:
+    """Yield the times of the steps forward of one robot."""
+    squares = set()
+    for event in run.recording.of(Learned):
+        if event.robot == robot:
+            yield event.time_s
+    for chosen in run.recording.of(GoalChosen):
+        if chosen.robot == robot and chosen.goal is not None:
+            x, y = chosen.goal
+            square = (int(x // GOAL_M), int(y // GOAL_M))
+            if square not in squares:
+                squares.add(square)
+                yield chosen.time_s
+
+
+def _points_in(free: shapely.geometry.base.BaseGeometry) -> FloatArray:
+    x0, y0, x1, y1 = free.bounds
+    step_m = float(np.sqrt(free.area / POINTS))
+    xs, ys = np.meshgrid(
+        np.arange(x0 + step_m / 2.0, x1, step_m), np.arange(y0 + step_m / 2.0, y1, step_m)
+    )
+    is_free = shapely.contains_xy(free, xs, ys)
+    points: FloatArray = np.column_stack([xs[is_free], ys[is_free]])
+    return points
+
+
+def _driven_m(run: JudgedRun, robot: int, times: FloatArray) -> FloatArray:
+    """Return how far a robot has driven by some times."""
+    track = run.tracks[robot]
+    begin_m = np.concatenate([[0.0], np.cumsum(track.lengths)])
+    begin_s = np.append(track.legs[:, 0], track.legs[-1, 4])
+    driven: FloatArray = np.interp(times, begin_s, begin_m)
+    return driven

@@ -129,8 +129,11 @@ def open_frontiers(
     if standing.is_empty:
         return []
     found = []
+    # What is unknown ends before what may look like a wall: its sides there are no frontier.
+    walls_m = reach.blind_m + WALL_M
     walls = run.once(
-        ("walls", shapely.to_wkb(space)), lambda: space.boundary.buffer(WALL_M, quad_segs=2)
+        ("walls", shapely.to_wkb(space), walls_m),
+        lambda: space.boundary.buffer(walls_m, quad_segs=2),
     )
     for part in shapely.get_parts(unknown).tolist():
         near = shapely.difference(part.boundary, walls)

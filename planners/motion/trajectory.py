@@ -202,10 +202,12 @@ def leg_pose(a: Sequence[float], b: Sequence[float], fraction: float) -> tuple[f
     """
     _, x, y, heading = a
     dx, dy, turn = b[1] - x, b[2] - y, b[3] - heading
-    if abs(turn) < NO_TURN_RAD:
+    whole = math.sin(0.5 * turn)
+    if whole == 0.0:
         return x + fraction * dx, y + fraction * dy, heading + fraction * turn
-    # The chord from the beginning of the leg is the whole chord, shortened and rotated back.
-    share = math.sin(0.5 * fraction * turn) / math.sin(0.5 * turn)
+    # The chord from the beginning of the leg is the whole chord, shortened and rotated back. Legs
+    # that hardly turn are no exception, so that parts of a leg are where the whole leg is.
+    share = math.sin(0.5 * fraction * turn) / whole
     back = 0.5 * (fraction - 1.0) * turn
     c, s = share * math.cos(back), share * math.sin(back)
     return x + c * dx - s * dy, y + s * dx + c * dy, heading + fraction * turn

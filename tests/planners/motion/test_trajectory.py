@@ -228,6 +228,14 @@ def test_parts_of_a_motion_agree_with_the_motion(trajectory, share, part):
         assert math.cos(after.heading - before.heading) == pytest.approx(1.0, abs=1e-6)
 
 
+@given(st.floats(1e-11, 1e-6), st.floats(0.01, 0.9), st.floats(0.1, 0.9))
+def test_parts_of_a_leg_that_hardly_turns_are_where_the_leg_is(turn, share, part):
+    leg = Trajectory((Waypoint(0.0, 0.0, 0.0, 0.0), Waypoint(10.0, 5.0, 1.0, turn)))
+    rest = leg.after(10.0 * share)
+    time_s = part * rest.duration_s
+    assert math.dist(rest.at(time_s)[:2], leg.at(10.0 * share + time_s)[:2]) < 1e-13
+
+
 @given(trajectories(), trajectories())
 def test_joined_motions_add_up(first, second):
     last, begin = first.waypoints[-1], second.waypoints[0]

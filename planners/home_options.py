@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
-from typing import Literal
+from typing import Final, Literal
 
 import msgspec
 
 from multisrt.geometry.errors import InvalidInputError
 
 Home = Literal["never", "in-time", "worth", "relays", "chain"]
+
+NO_TIME_LEFT: Final = "no time is left for another"
+"""How a robot says why it ended that is home in time: the beginning of the reason."""
 
 
 class HomeOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

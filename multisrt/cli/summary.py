@@ -96,10 +96,10 @@ def print_summary(
 
 
 def _ended(run: Run) -> str:
-    from multisrt.drawing.account import OUTCOMES
+    from multisrt.drawing.account import outcome_told
     from multisrt.experiments.results import is_success
 
-    outcome = OUTCOMES[run.outcome]
+    outcome = outcome_told(run.recording)
     if is_success(run.metrics):
         return outcome
     if run.metrics.reached():

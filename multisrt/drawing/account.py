@@ -32,9 +32,19 @@ from multisrt.drawing.colours import (
 from multisrt.drawing.sheet import LegendEntry, Swatch
 from multisrt.drawing.svg import Marker
 from multisrt.drawing.traces import Trace
-from multisrt.events import CameBack, Died, FellSilent, Joined
+from multisrt.events import (
+    BaseLearned,
+    CameBack,
+    Collision,
+    Died,
+    Ended,
+    FellSilent,
+    Joined,
+    NodeAdded,
+)
 from multisrt.explain.terms import stage_name
 from multisrt.geometry.errors import counted
+from multisrt.planners.home_options import NO_TIME_LEFT
 from multisrt.recording import Recording
 
 MAX_ACCOUNTS: Final = 16
@@ -50,6 +60,54 @@ IN_COLOURS_OF_ROBOTS: Final = frozenset(
 
 OUTCOMES: Final = {"complete": "complete", "stalled": "stalled", "out_of_time": "out of time"}
 
+HOME_IN_TIME: Final = "home in time"
+"""How a run is said to have ended that stalled as its robots had no time left but to go home."""
+
+
+def outcome_told(recording: Recording) -> str:
+    """Return how a run ended, in words.
+
+    Parameters
+    ----------
+    recording : Recording
+        The run.
+
+    Returns
+    -------
+    str
+        The recorded outcome; of one that stalled, "home in time" if every robot that lives ended
+        completely or for lack of time, and the base station has every node that these made.
+
+    Examples
+    --------
+    >>> import multisrt as ms
+    >>> run = ms.explore(
+    ...     "open",
+    ...     starts=[(1.0, 1.0)],
+    ...     base=(1.0, 1.0),
+    ...     radio_range_m=6.0,
+    ...     strategy="minpos",
+    ...     options={"home": "in-time"},
+    ...     max_time_s=60.0,
+    ... )
+    >>> run.outcome, outcome_told(run.recording)
+    ('stalled', 'home in time')
+    """
+    footer = recording.footer
+    return HOME_IN_TIME if _are_home_in_time(recording) else OUTCOMES[footer.outcome]
+
+
+def _are_home_in_time(recording: Recording) -> bool:
+    if recording.footer.outcome != "stalled" or recording.of(Collision):
+        return False
+    dead = {event.robot for event in recording.of(Died)}
+    ends = {event.robot: event for event in recording.of(Ended) if event.robot not in dead}
+    late = [end.reason.startswith(NO_TIME_LEFT) for end in ends.values() if not end.complete]
+    if len(ends) + len(dead) < len(recording.starts) or not late or not all(late):
+        return False
+    made = {(node.robot, node.serial) for node in recording.of(NodeAdded) if node.robot in ends}
+    return made <= {tuple(name) for event in recording.of(BaseLearned) for name in event.nodes}
+
 
 def heading(recording: Recording, traces: list[Trace], status: str | None = None) -> list[str]:
     """Return the title of a picture and the lines below it: the run, its outcome and its faults.
@@ -61,7 +119,7 @@ def heading(recording: Recording, traces: list[Trace], status: str | None = None
     nodes = sum(len(trace.nodes) for trace in traces)
     distance = math.fsum(trace.distance_m for trace in traces)
     if status is None:
-        status = f"{OUTCOMES[footer.outcome]} after {footer.time_s:,.0f} s"
+        status = f"{outcome_told(recording)} after {footer.time_s:,.0f} s"
     lines = [
         f"{spec.strategy} in {recording.header.world}{team}, seed {spec.seed}",
         f"{status}: {counted(nodes, _unit(traces, in_full=True))}, {distance:,.0f} m travelled",

@@ -15,7 +15,7 @@ import shapely
 from multisrt.analysis.activity import ACTIVITIES, activities
 from multisrt.analysis.isolation import Isolation, isolation
 from multisrt.analysis.run_tables import coverage_curve
-from multisrt.drawing.account import OUTCOMES
+from multisrt.drawing.account import outcome_told
 from multisrt.environments.environment import Environment
 from multisrt.events import NodeAdded, Sensed
 from multisrt.recording import Recording
@@ -160,7 +160,7 @@ def _packed_run(recording: Recording) -> Packed:
     is_judged = bool(recording.of(Sensed)) or not recording.of(NodeAdded)
     return {
         "title": f"{spec.strategy} in {recording.header.world}, seed {spec.seed}",
-        "outcome": OUTCOMES[footer.outcome],
+        "outcome": outcome_told(recording),
         "reason": footer.reason,
         "conditions": conditions(spec),
         "deaths": deaths(recording),

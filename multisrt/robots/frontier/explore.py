@@ -36,6 +36,7 @@ from collections.abc import Callable, Generator, Iterable
 from typing import Final
 
 from multisrt.events import Decided
+from multisrt.planners.home_options import NO_TIME_LEFT
 from multisrt.robots.explorer import Action, Done, Note, Outcome, RobotSelf, Sighting, Steps
 from multisrt.robots.frontier.bodies import MOVED_M
 from multisrt.robots.frontier.chain import Chain
@@ -406,7 +407,7 @@ class FrontierExplorer:
         elif progress.state is State.OUT_OF_TIME:
             done = Done(
                 complete=False,
-                reason="no time is left for another goal and the way home",
+                reason=f"{NO_TIME_LEFT} goal and the way home",
                 on_call=team.has_receivers,
             )
         elif progress.state is State.OUT_OF_REACH:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from multisrt.geometry.regions.shapes import Shape
+from multisrt.planners.home_options import NO_TIME_LEFT
 from multisrt.robots.explorer import Done, RobotSelf, Steps
 from multisrt.robots.multi_srt.bring_home import bring_the_rest, bringing_home
 from multisrt.robots.multi_srt.build_srt import build_srt, until_boxed_in
@@ -90,7 +91,7 @@ class SrtExplorer:
         """Return how it ended: all that it knows of is explored, or what was left and why."""
         robot, deferred = self.robot, self.robot.deferred
         if self.is_out_of_time:
-            reason = "no time is left for another target and the way home"
+            reason = f"{NO_TIME_LEFT} target and the way home"
             return Done(complete=False, reason=reason, on_call=robot.team.has_receivers)
         nodes = robot.map.open_nodes(robot.trees.root)
         frontier = [robot.map.frontier(node) for node in nodes]

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from multisrt.cli import candidates
+from multisrt.cli.base_notes import base_apart
 from multisrt.cli.imports import import_all, import_option, imports_again
 from multisrt.cli.output_options import store_option
 from multisrt.cli.reach import elsewhere
@@ -111,7 +112,10 @@ def _stored(path: Path, spec: ExperimentSpec, planned: Sequence[PlannedRun]) -> 
 
 
 def _poor_starts(planned: Sequence[PlannedRun]) -> dict[Condition, str]:
-    """Return why the team does not fit in the first repetition of conditions, or what it misses."""
+    """Return why the team does not fit in the first repetition of conditions, or what it misses.
+
+    It misses what lies in other parts of the world, and a base station that no robot gets to.
+    """
     import msgspec
 
     from multisrt.environments.parts import is_poor_start
@@ -124,15 +128,17 @@ def _poor_starts(planned: Sequence[PlannedRun]) -> dict[Condition, str]:
     for run in planned:
         if run.repetition:
             break
-        alike = msgspec.structs.replace(run.condition, strategy="", radio="", faults="")
+        radio = "" if run.spec.base is None else run.condition.radio
+        alike = msgspec.structs.replace(run.condition, strategy="", radio=radio, faults="")
         if alike not in tried:
             try:
                 world = world_of(run.spec.environment)
-                x, y, _ = starts_of(run.spec, world)[0]
+                starts = starts_of(run.spec, world)
+                x, y, _ = starts[0]
                 poor = is_poor_start(world, x, y)
-                tried[alike] = (
-                    elsewhere(world, (x, y), _by_places(len(run.spec.robots))) if poor else ""
-                )
+                told = [base_apart(run.spec, world, starts)]
+                told += [elsewhere(world, (x, y), _by_places(len(run.spec.robots)))] * poor
+                tried[alike] = "; ".join(filter(None, told))
             except InvalidInputError as error:
                 tried[alike] = str(error)
         if tried[alike]:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from multisrt.cli.base_notes import base_apart, nothing_delivered
 from multisrt.cli.reach import MIN_SHARE, elsewhere
 from multisrt.cli.tables import show, show_blocks, table
 
@@ -83,6 +84,8 @@ def print_summary(
         click.echo(f"{spec.strategy} in {run.environment.name}{many}, seed {spec.seed}: ", nl=False)
         click.echo(_ended(run))
         click.echo(f"  {run.reason}")
+        if said := nothing_delivered(run):
+            click.echo(f"  {said}")
     _print_reach(runs[0])
     if details or regrets or len(runs) <= MAX_WIDE:
         _print_measures(runs, regrets, details=details)
@@ -162,13 +165,15 @@ def _with_best(values: Sequence[float | None], good: Sequence[bool]) -> list[str
 
 
 def _print_reach(run: Run) -> None:
-    # What the reader changed of the map, and why a part of it is not part of the task: other areas,
-    # then the body.
+    # What the reader changed of the map, whether robots get to the base station, and why a part of
+    # the map is not part of the task: other areas, then the body.
     m, start = run.metrics, run.recording.starts[0]
     if run.environment.cleaning:
         click.echo(f"  map cleaned: {run.environment.cleaning}")
     if run.environment.layers is not None:
         click.echo(f"  map {run.environment.layers}")
+    if apart := base_apart(run.spec, run.environment, run.recording.starts):
+        click.echo(f"  {apart}")
     if said := elsewhere(run.environment, start):
         click.echo(f"  {said}")
     area_m2 = run.environment.component(start.x, start.y).area

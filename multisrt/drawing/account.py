@@ -6,6 +6,7 @@ import math
 from dataclasses import replace
 from typing import Final
 
+from multisrt.analysis.run_tables import coverage_curve
 from multisrt.drawing.colours import (
     CLOSED,
     COLLISION,
@@ -109,24 +110,33 @@ def _are_home_in_time(recording: Recording) -> bool:
     return made <= {tuple(name) for event in recording.of(BaseLearned) for name in event.nodes}
 
 
+def run_title(recording: Recording) -> str:
+    """Return the title of a picture: the strategy, the world, the team and the seed of the run."""
+    spec = recording.spec
+    team = f", {len(spec.robots)} robots" if len(spec.robots) > 1 else ""
+    return f"{spec.strategy} in {recording.header.world}{team}, seed {spec.seed}"
+
+
 def heading(recording: Recording, traces: list[Trace], status: str | None = None) -> list[str]:
     """Return the title of a picture and the lines below it: the run, its outcome and its faults.
 
     A status is reported instead of the outcome.
     """
     spec, footer = recording.spec, recording.footer
-    team = f", {len(traces)} robots" if len(traces) > 1 else ""
     nodes = sum(len(trace.nodes) for trace in traces)
     distance = math.fsum(trace.distance_m for trace in traces)
+    outcome_is_told = status is None
     if status is None:
         status = f"{outcome_told(recording)} after {footer.time_s:,.0f} s"
     lines = [
-        f"{spec.strategy} in {recording.header.world}{team}, seed {spec.seed}",
+        run_title(recording),
         f"{status}: {counted(nodes, _unit(traces, in_full=True))}, {distance:,.0f} m travelled",
     ]
     left = math.fsum(math.hypot(x1 - x0, y1 - y0) for t in traces for x0, y0, x1, y1 in t.frontier)
     if left:
         lines[-1] += f", {left:,.1f} m of open frontier left"
+    if outcome_is_told and spec.base is not None:
+        lines.append(_at_base(recording))
     if footer.outcome == "stalled":
         lines.append(footer.reason)
     if faults := _faults(recording):
@@ -134,6 +144,12 @@ def heading(recording: Recording, traces: list[Trace], status: str | None = None
     if spec.options:
         lines.append("with " + ", ".join(f"{k} = {v}" for k, v in spec.options.items()))
     return lines
+
+
+def _at_base(recording: Recording) -> str:
+    curve = coverage_curve(recording, recording.environment())
+    covered, delivered = (100.0 * curve[name].values[-1] for name in ("coverage", "delivered"))
+    return f"{covered:.1f} % covered, {delivered:.1f} % delivered to the base station"
 
 
 def description(recording: Recording) -> str:

@@ -17,6 +17,7 @@ from multisrt.drawing.badges import (
     spread,
 )
 from multisrt.drawing.colours import (
+    BASE_MM,
     COLLISION,
     DEATH,
     DEATH_MM,
@@ -36,17 +37,22 @@ from multisrt.drawing.traces import Trace
 from multisrt.environments.own_pictures import LINES_TO_STARTS, TO_START
 from multisrt.events import Died
 from multisrt.geometry.numerics.kernel import FloatArray
+from multisrt.spec import BaseSpec
 
 PIN_REACH: Final = 1.6
 """Distance of the tip of a badge from its centre, in radii."""
 
 
 def draw_starts_and_ends(
-    sheet: Sheet, traces: list[Trace], without: frozenset[str] = frozenset()
+    sheet: Sheet,
+    traces: list[Trace],
+    without: frozenset[str] = frozenset(),
+    base: BaseSpec | None = None,
 ) -> None:
     """Mark the start and the last position of every robot, its death and its collisions.
 
-    Numbers stand above all markers, and badges where they cover neither one another nor an end.
+    Numbers stand above all markers, and badges where they cover neither one another nor an end or
+    the base station.
 
     Parameters
     ----------
@@ -56,9 +62,13 @@ def draw_starts_and_ends(
         The robots.
     without : frozenset of str
         Layers that are left out; see `multisrt.drawing.layers`.
+    base : BaseSpec, optional
+        The base station of the run, which is drawn already.
     """
     team = len(traces) > 1
     ends = list(_ends(sheet, traces, without))
+    if base is not None and "base" not in without:
+        ends.append(Disc(*base.place, sheet.metres(BASE_MM)))
     for trace in traces:
         if "ends" not in without:
             _draw_end(sheet, trace, team)

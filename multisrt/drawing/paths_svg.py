@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from multisrt.drawing.account import paths_legend
+from multisrt.drawing.base_marks import draw_base
 from multisrt.drawing.colours import CUT_OFF, FRONTIER_CELLS, GOAL_MM, KNOWN, RobotStyles
 from multisrt.drawing.marks import draw_areas, draw_starts_and_ends, draw_stops
 from multisrt.drawing.scanned import (
@@ -61,11 +62,13 @@ def draw_paths(
         _draw_goals(sheet, trace.robot, goals[trace.robot])
     for trace in traces if "stops" not in absent else ():
         draw_stops(sheet, trace)
-    draw_starts_and_ends(sheet, traces, absent)
+    at_base = draw_base(sheet, recording, environment, absent)
+    draw_starts_and_ends(sheet, traces, absent, recording.spec.base)
     there = {"goals": any(goals.values()), "frontier": bool(left), "isolation": bool(cut_off)}
     sheet.legend += paths_legend(
         traces, absent, frozenset(name for name, is_there in there.items() if is_there)
     )
+    sheet.legend += at_base
 
 
 def _draw_path(sheet: Sheet, trace: Trace) -> None:

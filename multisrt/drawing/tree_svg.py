@@ -126,7 +126,6 @@ def run_sheet(
         draw_paths(sheet, recording, environment, traces, absent)
     else:
         _draw_trees(sheet, recording, environment, traces, absent)
-    draw_base(sheet, recording, absent)
     if team:
         sheet.swatches = swatches(traces, absent)
         sheet.swatches_heading = swatches_heading(traces, absent)
@@ -197,8 +196,9 @@ def _draw_trees(
     ):
         for trace in traces if name not in absent else ():
             draw(sheet, trace)
-    draw_starts_and_ends(sheet, traces, absent)
-    sheet.legend += legend(traces, absent, merged=merged)
+    at_base = draw_base(sheet, recording, environment, absent)
+    draw_starts_and_ends(sheet, traces, absent, recording.spec.base)
+    sheet.legend += legend(traces, absent, merged=merged) + at_base
 
 
 def _region_style(robot: int, team: bool, absent: frozenset[str]) -> Style | None:

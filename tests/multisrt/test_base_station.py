@@ -1,11 +1,13 @@
 """Where base stations are given, and where they are shown."""
 
 import json
+import re
 import xml.etree.ElementTree as ET
 from typing import Any, cast
 
 import numpy as np
 import pytest
+import shapely
 
 import multisrt as ms
 from multisrt.cli.run_options import spec_of_options
@@ -16,11 +18,13 @@ from multisrt.drawing.animation.pace import Pace
 from multisrt.drawing.animation.painter import Painter
 from multisrt.drawing.animation.scene import scene_of
 from multisrt.drawing.colours import INK
-from multisrt.events import BaseLearned, Sent
+from multisrt.environments.own_pictures import LINES_TO_STARTS
+from multisrt.events import BaseLearned, NodeAdded, Sent
 from multisrt.experiments.crossing import runs
 from multisrt.experiments.from_keywords import from_keywords
 from multisrt.experiments.measures import MEASURES, measure_named
 from multisrt.explain.moments import moments
+from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.replay.conditions import conditions
 from multisrt.replay.payload import payload
 from multisrt.spec.keywords import base_of
@@ -128,7 +132,51 @@ def test_the_map_shows_the_base_and_what_it_knows(run):
     assert {"base station", "border of what the base knows"} <= set(texts(svg))
     bare = tree_svg(run.recording, without=["base", "delivered"])
     assert not {"base", "known to the base"} & set(layers(bare))
-    assert not [text for text in texts(bare) if "base" in text]
+    [told] = [text for text in texts(bare) if "base" in text]
+    assert told.endswith("delivered to the base station")
+
+
+def test_the_border_of_what_the_base_knows_is_not_drawn_along_walls(run):
+    border = lines(paths(layers(tree_svg(run.recording))["known to the base"]))
+    walls = run.environment.free.boundary
+    learned = {tuple(name) for event in run.recording.of(BaseLearned) for name in event.nodes}
+    regions = [n.boundary for n in run.recording.of(NodeAdded) if (n.robot, n.serial) in learned]
+    known = shapely.union_all([shapely.make_valid(shapely.Polygon(one)) for one in regions])
+    for line in map(shapely.LineString, border):
+        middle = line.interpolate(0.5, normalized=True)
+        assert middle.distance(walls) > 0.02
+        assert middle.distance(known.boundary) < 0.05
+    lengths_m = sum(shapely.LineString(line).length for line in border)
+    assert 0.0 < lengths_m < 0.5 * known.boundary.length
+
+
+def test_a_picture_tells_what_was_delivered(run):
+    share = 100.0 * run.metrics.delivered_coverage
+    covered = 100.0 * run.metrics.coverage
+    told = f"{covered:.1f} % covered, {share:.1f} % delivered to the base station"
+    assert told in texts(tree_svg(run.recording))
+    alone = ms.explore("open", strategy="minpos", seed=1, max_time_s=5.0)
+    assert not [text for text in texts(tree_svg(alone.recording)) if "delivered" in text]
+
+
+def house_of(starts: list[tuple[float, float]]) -> tuple[FloatArray, list[str]]:
+    run = ms.explore("open", strategy="minpos", starts=starts, base=BASE, max_time_s=5.0)
+    svg = tree_svg(run.recording)
+    [house] = lines(paths(layers(svg)["base"]))
+    return house, list(layers(svg))
+
+
+def test_the_base_does_not_cover_a_start():
+    away, _ = house_of([(9.0, 9.0)])
+    here, order = house_of([BASE])
+    assert np.allclose(np.ptp(here, axis=0), 1.8 * np.ptp(away, axis=0), atol=0.02)
+    assert order.index("base") < order.index("robot 0: start")
+    # In a team the number is beside the base station, with a line to the start.
+    house, order = house_of([BASE, (9.0, 9.0)])
+    assert np.allclose(np.ptp(house, axis=0), np.ptp(away, axis=0), atol=0.02)
+    assert order.index("base") < order.index(LINES_TO_STARTS)
+    _, order = house_of([(3.0, 3.0), (9.0, 9.0)])
+    assert LINES_TO_STARTS not in order
 
 
 def test_an_animation_shows_the_base(run):
@@ -148,6 +196,8 @@ def test_an_animation_shows_the_base(run):
     ink = tuple(int(INK[k : k + 2], 16) for k in (1, 3, 5))
     assert Painter(found).picture(0).getpixel(at) == ink
     assert Painter(scene(without=["base"])).picture(0).getpixel(at) != ink
+    last = found.captions[-1].shown
+    assert re.fullmatch(r"30 s, \d+\.\d % covered, \d+\.\d % at the base", last)
 
 
 def test_a_replay_holds_the_base(run):

@@ -11,7 +11,7 @@ import numpy as np
 
 from multisrt.analysis.activity import Activity, activities
 from multisrt.analysis.run_tables import coverage_curve
-from multisrt.drawing.account import heading
+from multisrt.drawing.account import run_title
 from multisrt.drawing.animation.growth import Piece, pieces
 from multisrt.drawing.animation.keyframes import Way, ways_of
 from multisrt.drawing.animation.layout import MAX_ENTRIES, Layout, layout_of
@@ -212,7 +212,7 @@ def scene_of(
     areas = pieces(recording, environment, pace, AREA_TOLERANCE_PX * px_m)
     return Scene(
         environment=environment,
-        title=heading(recording, traces)[0],
+        title=run_title(recording),
         pace=pace,
         layout=layout,
         layers=layers,
@@ -327,14 +327,18 @@ def _choices(recording: Recording, pace: Pace) -> Iterator[tuple[int, int, Point
 def _captions(recording: Recording, environment: Environment, pace: Pace) -> list[Span]:
     curve = coverage_curve(recording, environment)
     times_s = np.asarray(curve["time_s"].values, np.float64)
-    shares = np.asarray(curve["coverage"].values, np.float64)
+    told = {"coverage": "covered", "delivered": "at the base"}
+    shares = {name: np.asarray(curve[name].values, np.float64) for name in told if name in curve}
     captions: list[Span] = []
     for picture in range(pace.last + 1):
         now_s = pace.time_s(picture)
-        share = shares[np.searchsorted(times_s, now_s + 1e-9, side="right") - 1]
+        row = np.searchsorted(times_s, now_s + 1e-9, side="right") - 1
         # Rounded down, so that 100 % is the whole.
-        covered = np.floor(1000.0 * share + 1e-6) / 10.0
-        text = f"{_time(now_s, pace.run_s)} s, {covered:.1f} % covered"
+        percents = [
+            f"{np.floor(1000.0 * share[row] + 1e-6) / 10.0:.1f} % {told[name]}"
+            for name, share in shares.items()
+        ]
+        text = ", ".join([f"{_time(now_s, pace.run_s)} s", *percents])
         if captions and captions[-1].shown == text:
             captions[-1] = captions[-1]._replace(end=picture + 1)
         else:

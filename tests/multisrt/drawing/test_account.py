@@ -12,7 +12,6 @@ from multisrt.events import AnyEvent, BaseLearned, Died, Ended
 from multisrt.recording import Recording
 from tests.multisrt.drawing.pictures import texts
 
-
 STARTS = [(1.0, 1.0), (2.0, 1.0)]
 
 

@@ -13,7 +13,7 @@ import msgspec
 
 from multisrt.campaign.draws import Trying, drawn, is_refusal
 from multisrt.campaign.invariants import JudgedRun, check
-from multisrt.campaign.violations import Violation
+from multisrt.campaign.violations import MAX_LENGTH, Violation, quoted
 from multisrt.campaign.worlds import world_of
 from multisrt.experiments.mission import lacks_memory
 from multisrt.recording import Recording
@@ -218,7 +218,7 @@ def _judged(setup: SetUp, begin_s: float) -> Judged:
     except Exception as error:
         if lacks_memory(error):
             return Judged(_failed(error, steps, begin_s, footer.time_s), recording)
-        violations = (Violation(invariant=JUDGED, says=described(error)),)
+        violations = (Violation(invariant=JUDGED, says=quoted(described(error), MAX_LENGTH)),)
     verdict = Verdict(
         outcome=footer.outcome,
         violations=violations,
@@ -244,7 +244,7 @@ def _failed(error: Exception, steps: int, begin_s: float, time_s: float = 0.0) -
     says = described(error)
     return Verdict(
         outcome=OVER_MEMORY if lacks_memory(error) else "error",
-        violations=(Violation(invariant=NO_ERROR, says=says, time_s=time_s),),
+        violations=(Violation(invariant=NO_ERROR, says=quoted(says, MAX_LENGTH), time_s=time_s),),
         reason=says,
         time_s=time_s,
         steps=steps,

@@ -2,7 +2,26 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 import msgspec
+
+MAX_LENGTH: Final = 160
+"""Maximum length of what violations say, in characters: with the replay it is a line or two."""
+
+MAX_QUOTED: Final = 40
+"""Maximum length of the reason of a robot in it, in characters."""
+
+
+def quoted(text: str, most: int = MAX_QUOTED) -> str:
+    """Return a text of at most some characters; dots mark a cut.
+
+    Examples
+    --------
+    >>> quoted("boxed in by robots 1, 2, 3, 4, 5 and 6", 20)
+    'boxed in by robot...'
+    """
+    return text if len(text) <= most else f"{text[: most - 3]}..."
 
 
 class Violation(msgspec.Struct, frozen=True, kw_only=True):

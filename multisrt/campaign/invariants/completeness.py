@@ -17,7 +17,7 @@ from multisrt.campaign.invariants.open_frontier import (
     united,
 )
 from multisrt.campaign.judged_run import JudgedRun
-from multisrt.campaign.violations import Violation
+from multisrt.campaign.violations import Violation, quoted
 from multisrt.events import (
     ArcClosed,
     Blocked,
@@ -156,9 +156,9 @@ def _violation(name: str, robot: int, end: Ended, left: OpenFrontier) -> Violati
     (px, py), (sx, sy) = left.place, left.stand
     return Violation(
         invariant=name,
-        says=f"robot {robot} ended at {end.time_s:.2f} s ({end.reason}), but {left.length_m:.2f} m "
-        f"of frontier at ({px:.2f}, {py:.2f}), before {left.behind_m2:.2f} m2, are in sight of "
-        f"({sx:.2f}, {sy:.2f}), where it could go",
+        says=f"robot {robot} ended at {end.time_s:.2f} s ({quoted(end.reason)}); from "
+        f"({sx:.2f}, {sy:.2f}), where it could go, {left.length_m:.2f} m of frontier at "
+        f"({px:.2f}, {py:.2f}) show {left.behind_m2:.2f} m2",
         robot=robot,
         time_s=end.time_s,
     )

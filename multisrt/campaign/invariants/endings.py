@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from multisrt.campaign.judged_run import ROUNDING_S, JudgedRun
-from multisrt.campaign.violations import Violation
+from multisrt.campaign.violations import MAX_LENGTH, Violation, quoted
 from multisrt.events import Collision, Died, Ended, Sent
 
 NAME: Final = "ends"
@@ -67,7 +67,8 @@ def _misnamed(run: JudgedRun) -> Iterator[str]:
             for robot in living:
                 end = run.ends.get(robot)
                 if end is None or not end.complete:
-                    what = "has not ended" if end is None else f"ended incomplete ({end.reason})"
+                    why = None if end is None else quoted(end.reason)
+                    what = "has not ended" if why is None else f"ended incomplete ({why})"
                     yield f"the outcome is complete, but robot {robot} {what}"
             if not living:
                 yield "the outcome is complete, but no robot lives"
@@ -83,7 +84,7 @@ def _misnamed(run: JudgedRun) -> Iterator[str]:
             if is_complete and not recording.of(Collision) and not _waits_again(run):
                 yield "the outcome is stalled, but all robots that live ended completely"
             if WAITS_FOR_EVER in footer.reason:
-                yield f"the outcome is stalled: {footer.reason}"
+                yield quoted(f"the outcome is stalled: {footer.reason}", MAX_LENGTH)
 
 
 def _waits_again(run: JudgedRun) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Final
 
 from multisrt.campaign.judged_run import ROUNDING_M, ROUNDING_S, JudgedRun
@@ -47,7 +47,12 @@ def _starts(run: JudgedRun) -> Iterator[Said]:
         x, y, heading = (*spec.start, 0.0)[:3]
         turn = abs(math.remainder(pose[2] - heading, 2.0 * math.pi))
         if math.dist(pose[:2], (x, y)) > ROUNDING_M or turn > ROUNDING_M:
-            yield number, 0.0, f"starts at {tuple(pose)} instead of ({x:g}, {y:g}, {heading:g})"
+            yield number, 0.0, f"starts at {_place(pose)} instead of {_place((x, y, heading))}"
+
+
+def _place(pose: Sequence[float]) -> str:
+    # In seven digits: poses differ by more than `ROUNDING_M`.
+    return f"({', '.join(f'{value:.7g}' for value in pose)})"
 
 
 def _late(run: JudgedRun) -> Iterator[Said]:

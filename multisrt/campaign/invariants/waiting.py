@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from multisrt.campaign.judged_run import JudgedRun
-from multisrt.campaign.violations import Violation
+from multisrt.campaign.violations import MAX_LENGTH, Violation, quoted
 from multisrt.events import (
     CameBack,
     Died,
@@ -68,7 +68,7 @@ def waits_within_limits(run: JudgedRun) -> Violation | None:
     if NOTHING_NEW in reason:
         tried_s = _tried(run, list(run.robots), run.end_s - idle_s, run.end_s)
         if idle_s >= limit_s + tried_s:
-            return Violation(invariant=NAME, says=reason)
+            return Violation(invariant=NAME, says=quoted(reason, MAX_LENGTH))
     return None
 
 
@@ -87,8 +87,8 @@ def _violation(
     who = "nobody does" if len(team) > 1 else f"robot {team[0]} does not do"
     return Violation(
         invariant=NAME,
-        says=f"{who} anything from {begin_s:.2f} s to {end_s:.2f} s, and {named} not ended; the "
-        f"limits allow {allowed_s:.0f} s",
+        says=f"{who} anything from {begin_s:.2f} s to {end_s:.2f} s ({allowed_s:.0f} s are "
+        f"allowed), and {named} not ended",
         robot=waiting[0],
         time_s=begin_s,
     )

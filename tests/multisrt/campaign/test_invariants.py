@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+import re
 
 import msgspec
 import numpy as np
@@ -11,6 +12,7 @@ import shapely
 from multisrt.analysis.measuring import measure_with_curves
 from multisrt.campaign.invariants import INVARIANTS, JudgedRun, check, measures, merging
 from multisrt.campaign.tracks import Track
+from multisrt.campaign.violations import MAX_LENGTH
 from multisrt.environments.environment import Environment
 from multisrt.events import (
     AnyEvent,
@@ -88,6 +90,7 @@ def broken(run: JudgedRun, name: str) -> str:
         return ""
     assert violation.invariant == name
     assert "\n" not in violation.says
+    assert len(violation.says) <= MAX_LENGTH
     return violation.says
 
 
@@ -335,7 +338,7 @@ def died(time_s: float, doing: str = "waiting") -> Died:
     ("start", "faults", "events", "what"),
     [
         (AT, (), [], ""),
-        (AT[:2], (), [], "starts at (1.0, 1.0, 0.5) instead of (1, 1, 0)"),
+        (AT[:2], (), [], "starts at (1, 1, 0.5) instead of (1, 1, 0)"),
         ((1.0, 1.1, 0.5), (), [], "instead of (1, 1.1, 0.5)"),
         (None, (LateStart(robot=0, time_s=3.0),), [Joined(time_s=3.0, robot=0)], ""),
         (None, (LateStart(robot=0, time_s=3.0),), [Joined(time_s=0.0, robot=0)], "due at 3.00 s"),
@@ -766,6 +769,14 @@ def test_a_run_that_is_cut_off_is_not_complete(bids, srt, share):
         said = broken(early, "complete-is-complete")
         assert "where it could go" in said
         assert "(nothing is left)" in said
+
+
+def test_long_reasons_of_robots_are_cut(bids):
+    reason = "boxed in by robots 1, 2, 3, 4, 5, 6, 7, 8, 9, 10 and 11, with some frontier left"
+    early = cut_off(bids, 0.1 * bids.end_s, reason, complete=True)
+    said = broken(early, "complete-is-complete")
+    assert "(boxed in by robots 1, 2, 3, 4, 5, 6, ...)" in said
+    assert re.search(r"from \(-?\d+\.\d\d, -?\d+\.\d\d\), where it could go, \d+\.\d\d m", said)
 
 
 def test_a_robot_in_the_open_is_not_boxed_in(bids, srt):

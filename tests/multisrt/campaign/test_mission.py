@@ -7,7 +7,7 @@ import pytest
 
 from multisrt.campaign import mission
 from multisrt.campaign.mission import described, judge, judge_recorded, make
-from multisrt.campaign.violations import Violation
+from multisrt.campaign.violations import MAX_LENGTH, Violation
 from multisrt.events import Decided
 from multisrt.robots.explorer import Done, Note, Receive
 from multisrt.robots.registry import registered
@@ -72,6 +72,14 @@ def test_an_error_of_an_explorer_is_a_violation(own):
     assert found.invariant == "no-error"
     assert found.says.startswith("ValueError in test_mission.py:")
     assert found.says.endswith(": no such place")
+
+
+def test_long_messages_of_errors_are_cut_in_what_a_violation_says(own, monkeypatch):
+    monkeypatch.setattr(mission, "described", lambda error: f"ValueError in x.py:1: {'a' * 300}")
+    verdict = judge(own("raise"))
+    (found,) = verdict.violations
+    assert (len(found.says), found.says[-4:]) == (MAX_LENGTH, "a...")
+    assert len(verdict.reason) > 300
 
 
 def test_an_error_in_setting_up_is_a_violation(own):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable
+from typing import Any
 
 
 def parser_of(command: str, description: str, examples: str) -> argparse.ArgumentParser:
@@ -23,14 +24,29 @@ def parser_of(command: str, description: str, examples: str) -> argparse.Argumen
     >>> parser_of("benchmarks.mine", "Do nothing.", "--seed 3").format_help().splitlines()[-2:]
     ['examples:', '  python -m benchmarks.mine --seed 3']
     """
-    program = f"python -m {command}"
-    calls = "\n".join(f"  {program} {line.strip()}".rstrip() for line in examples.splitlines())
-    return argparse.ArgumentParser(
-        prog=program,
-        description=description,
-        epilog=f"examples:\n{calls}",
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
+    help_page = help_with(command, description, examples)
+    return argparse.ArgumentParser(prog=f"python -m {command}", **help_page)
+
+
+def help_with(command: str, description: str, examples: str) -> dict[str, Any]:
+    """Return the arguments by which the help of a parser, or of a part of it, has examples.
+
+    Parameters
+    ----------
+    command, description, examples
+        As for `parser_of`.
+
+    Examples
+    --------
+    >>> help_with("benchmarks.mine", "Do nothing.", "add FILE")["epilog"].splitlines()
+    ['examples:', '  python -m benchmarks.mine add FILE']
+    """
+    lines = [f"  python -m {command} {line.strip()}".rstrip() for line in examples.splitlines()]
+    return {
+        "description": description,
+        "epilog": "\n".join(["examples:", *lines]),
+        "formatter_class": argparse.RawDescriptionHelpFormatter,
+    }
 
 
 def at_least(minimum: int) -> Callable[[str], int]:

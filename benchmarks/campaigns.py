@@ -14,7 +14,7 @@ from typing import Final
 
 import msgspec
 
-from benchmarks.arguments import parser_of
+from benchmarks.arguments import help_with, parser_of
 from multisrt.campaign.invariants.completeness import BOXED_IN, COMPLETE
 from multisrt.campaign.invariants.waiting import NAME as WAITS
 from multisrt.campaign.store import CampaignStore, Row
@@ -31,10 +31,15 @@ page  writes docs/results/campaign.md
 
 Neither makes a run."""
 
-EXAMPLES: Final = """
+NAME: Final = "benchmarks.campaigns"
+
+ADDING: Final = """
 add out/campaign/missions.sqlite
-page
+add night.sqlite other.sqlite
 """.strip()
+"""Examples of the command that adds campaigns."""
+
+EXAMPLES: Final = f"{ADDING}\npage"
 
 ROOT: Final = Path(__file__).parents[1]
 
@@ -259,13 +264,15 @@ def _first_line(path: Path) -> str:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Add campaigns, or write the page."""
-    parser = parser_of("benchmarks.campaigns", ABOUT, EXAMPLES)
+    parser = parser_of(NAME, ABOUT, EXAMPLES)
     commands = parser.add_subparsers(dest="command", required=True)
-    adding = commands.add_parser("add", help="add what the campaigns of files came to")
+    about = "add what the campaigns of files came to"
+    adding = commands.add_parser("add", help=about, **help_with(NAME, f"A{about[1:]}.", ADDING))
     adding.add_argument(
         "files", type=Path, nargs="+", metavar="FILE", help="a file of multisrt campaign run"
     )
-    commands.add_parser("page", help=f"write {PAGE.relative_to(ROOT)}")
+    about = f"write {PAGE.relative_to(ROOT)}"
+    commands.add_parser("page", help=about, **help_with(NAME, f"W{about[1:]}.", "page"))
     named = parser.parse_args(arguments)
     try:
         campaigns = add(named.files, KEPT) if named.command == "add" else kept(KEPT)

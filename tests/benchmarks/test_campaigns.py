@@ -66,3 +66,14 @@ def test_what_was_found_is_said_in_a_sentence_each(tmp_path, monkeypatch):
     monkeypatch.setattr(campaigns, "FOUND", tmp_path)
     with pytest.raises(InvalidInputError, match=r"mute.toml: its first line is no comment"):
         campaigns.found_before()
+
+
+@pytest.mark.parametrize("command", [(), ("add",), ("page",)])
+def test_the_help_has_examples(command, capsys):
+    with pytest.raises(SystemExit):
+        campaigns.main([*command, "--help"])
+    _, _, examples = capsys.readouterr().out.partition("examples:\n")
+    calls = [line.split() for line in examples.splitlines()]
+    assert calls
+    assert all(call[:3] == ["python", "-m", "benchmarks.campaigns"] for call in calls)
+    assert {call[3] for call in calls} == set(command or ("add", "page"))

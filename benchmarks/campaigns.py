@@ -1,8 +1,8 @@
-"""What campaigns came to, kept as one line each, and the page about all of them.
+"""The results of campaigns, kept as one line each, and the page about all of them.
 
-``python -m benchmarks.campaigns add FILE ...`` adds the missions of files of ``multisrt campaign
-run`` to ``docs/results/campaigns.jsonl``, in place of what the same program and seed came to
-before. ``python -m benchmarks.campaigns page`` writes ``docs/results/campaign.md``.
+``python -m benchmarks.campaigns add FILE ...`` adds the missions in files of ``multisrt campaign
+run`` to ``docs/results/campaigns.jsonl``, and replaces earlier results of the same program and
+seed. ``python -m benchmarks.campaigns page`` writes ``docs/results/campaign.md``.
 """
 
 from __future__ import annotations
@@ -23,13 +23,13 @@ from multisrt.geometry.errors import InvalidInputError, counted
 from multisrt.presets.summary import markdown_table
 from multisrt.recording import atomic_write
 
-ABOUT: Final = """What campaigns came to, kept as one line each, and the page about all of them.
+ABOUT: Final = """The results of campaigns, kept as one line each, and the page about all of them.
 
-add   adds the missions of files of multisrt campaign run to docs/results/campaigns.jsonl, in place
-      of what the same program and seed came to before
+add   adds the missions in files of multisrt campaign run to docs/results/campaigns.jsonl, and
+      replaces earlier results of the same program and seed
 page  writes docs/results/campaign.md
 
-Neither makes a run."""
+Neither executes a run."""
 
 NAME: Final = "benchmarks.campaigns"
 
@@ -44,7 +44,7 @@ EXAMPLES: Final = f"{ADDING}\npage"
 ROOT: Final = Path(__file__).parents[1]
 
 KEPT: Final = ROOT / "docs/results/campaigns.jsonl"
-"""What campaigns came to, a line each."""
+"""The results of campaigns, a line each."""
 
 PAGE: Final = ROOT / "docs/results/campaign.md"
 """The page."""
@@ -197,32 +197,32 @@ def page(campaigns: Sequence[Campaign]) -> str:
     failed = "In none of them" if not every.failed else f"In {every.failed:,} of them"
     made = counted(every.missions, "mission")
     parts = (
-        "# What campaigns came to",
-        f"[Campaigns](../campaign.md) made {made}, drawn over all worlds, "
-        f"teams, radios, faults, strategies and options. {failed} an invariant did not hold. "
+        "# Results of campaigns",
+        f"[Campaigns](../campaign.md) executed {made}, drawn from all worlds, teams, radios, "
+        f"faults, strategies and options. {failed} an invariant was violated. "
         f"{further(every.repeated, every.refused)}. A repeated mission fails unless its recording "
-        "is the same to the byte.",
+        "is identical, byte for byte.",
         markdown_table(COLUMNS, [*rows, _told("all", every)]),
-        "- *Stalled* runs ended with frontier left, as robots died, were boxed in, or could not "
-        "agree. *Not confirmed* are those of which an oracle that knows the map finds that a "
-        "robot had a way, or waited for longer than its limits.\n"
-        "- Runs *out of time* have a limit that was drawn shorter than the exploration takes. In "
-        "each of them it is judged that nobody stood for longer than the limits of its waits "
-        "together, and that no robot drove farther without a step forward than all walls are long "
-        "together, so that they were at work when the time was over.\n"
-        "- *Most events* are those of one recording; *slowest* is the elapsed time of a run and "
-        "its judging, on a machine with other work.",
+        "- *Stalled*: the run ended with frontier left, because robots died, were boxed in, or "
+        "could not agree. *Not confirmed*: stalled runs in which, according to an oracle that "
+        "knows the map, a robot had a free path or waited for longer than its limits.\n"
+        "- *Out of time*: the randomly drawn time limit was shorter than the exploration. In each "
+        "of these runs it is checked that no robot stood still for longer than the sum of the "
+        "limits of its waits, and that none drove farther without progress than the total length "
+        "of all walls, so that robots were active when the time ran out.\n"
+        "- *Most events*: the largest number of events in a recording. *Slowest*: the elapsed time "
+        "of a run and its checks, on a machine with other load.",
         "## The campaigns",
-        f"Made by {counted(programs, 'version')} of the program: a defect that is found "
-        "is mended, and another campaign begun.",
+        f"Executed by {counted(programs, 'version')} of the program. When a defect is found, it is "
+        "fixed and a new campaign is started.",
         markdown_table(("program", "seed", "missions", "failed"), map(_of_campaign, campaigns)),
         "## What was found",
-        "Campaigns during the development of this package, those above and earlier ones, found "
-        "these. Each of these runs violated an invariant, was shrunk, and is now a test, whichever "
-        "campaigns were added here.",
+        "Defects that were found during the development of this package, by the campaigns above "
+        "or by earlier ones. Each of these runs violated an invariant, was shrunk, and is now a "
+        "test.",
         "\n".join(f"- {said}" for said in found_before()),
-        "`python -m benchmarks.campaigns add FILE` adds the missions of a file of `multisrt "
-        "campaign run`, and `python -m benchmarks.campaigns page` writes this page.",
+        "`python -m benchmarks.campaigns add FILE` adds the missions in a file written by "
+        "`multisrt campaign run`; `python -m benchmarks.campaigns page` writes this page.",
     )
     return "\n\n".join(parts) + "\n"
 
@@ -266,10 +266,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
     """Add campaigns, or write the page."""
     parser = parser_of(NAME, ABOUT, EXAMPLES)
     commands = parser.add_subparsers(dest="command", required=True)
-    about = "add what the campaigns of files came to"
+    about = "add the missions in files to the results"
     adding = commands.add_parser("add", help=about, **help_with(NAME, f"A{about[1:]}.", ADDING))
     adding.add_argument(
-        "files", type=Path, nargs="+", metavar="FILE", help="a file of multisrt campaign run"
+        "files", type=Path, nargs="+", metavar="FILE", help="file written by multisrt campaign run"
     )
     about = f"write {PAGE.relative_to(ROOT)}"
     commands.add_parser("page", help=about, **help_with(NAME, f"W{about[1:]}.", "page"))

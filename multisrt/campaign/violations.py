@@ -9,7 +9,7 @@ import msgspec
 MAX_LENGTH: Final = 160
 """Maximum length of what violations say, in characters: with the replay it is a line or two."""
 
-MAX_QUOTED: Final = 40
+MAX_QUOTED: Final = 37
 """Maximum length of the reason of a robot in it, in characters."""
 
 

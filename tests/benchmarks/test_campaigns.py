@@ -40,11 +40,11 @@ def test_campaigns_are_added_once_each(files, tmp_path):
 
 def test_the_page_adds_up_what_they_came_to(files):
     text = page([campaign_of(file) for file in files])
-    assert "made 6 missions" in text
-    assert "In 1 of them an invariant did not hold" in text
+    assert "executed 6 missions" in text
+    assert "In 1 of them an invariant was violated" in text
     assert "| all | 6 | 5 | 1 | 1 | 0 | 1 | 42 | 0 |" in text
     assert "0 were repeated in another process; 6 draws were impossible and drawn again." in text
-    assert "- A car that cannot reverse was boxed in on its way" in text
+    assert "- A car that cannot reverse was boxed in while driving" in text
 
 
 def test_the_page_needs_a_campaign(tmp_path, monkeypatch, capsys):

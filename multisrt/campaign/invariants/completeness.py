@@ -156,9 +156,9 @@ def _violation(name: str, robot: int, end: Ended, left: OpenFrontier) -> Violati
     (px, py), (sx, sy) = left.place, left.stand
     return Violation(
         invariant=name,
-        says=f"robot {robot} ended at {end.time_s:.2f} s ({quoted(end.reason)}); from "
-        f"({sx:.2f}, {sy:.2f}), where it could go, {left.length_m:.2f} m of frontier at "
-        f"({px:.2f}, {py:.2f}) show {left.behind_m2:.2f} m2",
+        says=f"robot {robot} ended at {end.time_s:.2f} s ({quoted(end.reason)}), but could go to "
+        f"({sx:.2f}, {sy:.2f}) and see {left.length_m:.2f} m of frontier at ({px:.2f}, {py:.2f}), "
+        f"{left.behind_m2:.2f} m2 behind",
         robot=robot,
         time_s=end.time_s,
     )

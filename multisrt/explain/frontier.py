@@ -27,6 +27,14 @@ ALSO: Final = {
 }
 """What else is asked of goals, by the option `home`."""
 
+LEFT_OUT: Final = {
+    "in-time": "there is no time to go there and home",
+    "worth": "there is no time to go there and home",
+    "relays": "there is no time to go there and home",
+    "chain": "the chain does not reach the base station from there",
+}
+"""What else a frontier without a length in a robot's own row may mean, by the option `home`."""
+
 COLUMN = 10
 """Width of a table column, in characters."""
 
@@ -144,6 +152,8 @@ class _BidStory(ChoiceStory[GoalChosen]):
         if left_out:
             yield f"{left_out} of {len(choice.frontiers)} frontiers, farther away, are not shown"
         yield ">: its own row, *: its choice, -: no path or not computed"
+        if self.home in LEFT_OUT:
+            yield f"-, in its own row: or left out, as {LEFT_OUT[self.home]}"
         yield self._row("frontier", [f"{k}{'*' * (k == self._chosen())}" for k in shown])
         yield self._row("x (m)", [f"{choice.frontiers[k][0]:.2f}" for k in shown])
         yield self._row("y (m)", [f"{choice.frontiers[k][1]:.2f}" for k in shown])

@@ -515,6 +515,21 @@ def test_no_goal_is_explained_by_what_is_asked_of_goals(home, said):
     assert lines[0].strip() == f"no goal: there is none {said}"
 
 
+@pytest.mark.parametrize(
+    ("home", "said"),
+    [
+        ("never", None),
+        ("in-time", "there is no time to go there and home"),
+        ("chain", "the chain does not reach the base station from there"),
+    ],
+)
+def test_what_a_missing_length_may_mean_is_told(home, said):
+    recording = recorder_of(BIDS, "minpos", home=home).finish(9.0, "complete", "")
+    table = part(explain(recording, 1, 7.0), "How it chose: minpos").splitlines()
+    told = [line.strip() for line in table if "left out" in line]
+    assert told == ([] if said is None else [f"-, in its own row: or left out, as {said}"])
+
+
 def test_errands_of_all_kinds_are_reasons():
     # The same words are said of robots that go home, in chains and in pursuit.
     told = (chosen(8.5, 1, None, because="errand"), chosen(8.7, 1, None, because="errand over"))

@@ -20,7 +20,7 @@ LAYERS: Final[dict[str, str]] = {
     "nodes": "nodes of the trees",
     "goals": "goals of robots",
     "isolation": "marks of paths that were driven in isolation",
-    "frontier": "frontier that was left open",
+    "frontier": "frontier that is still open",
     "given-up": "frontier that was given up",
     "stops": "protective stops",
     "starts": "starts, with the numbers of robots",
@@ -31,8 +31,8 @@ LAYERS: Final[dict[str, str]] = {
     "bodies": "bodies of the robots, with their headings and numbers",
     "caption": "the title, the time, and what each robot is doing",
     "maps": "the map of each robot, and its frontier",
-    "links": "radio links that hold",
-    "decisions": "decisions, and what was not planned, in words",
+    "links": "radio links in contact",
+    "decisions": "decisions and unplanned events, in words",
 }
 """Names and contents of all layers that can be left out."""
 

@@ -31,7 +31,7 @@ LAYERS: Final[dict[str, str]] = {
     "bodies": "bodies of the robots, with their headings and numbers",
     "caption": "the title, the time, and what each robot is doing",
     "maps": "the map of each robot, and its frontier",
-    "links": "radio links in contact",
+    "links": "radio links between robots in contact",
     "decisions": "decisions and unplanned events, in words",
 }
 """Names and contents of all layers that can be left out."""

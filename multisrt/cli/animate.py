@@ -52,11 +52,11 @@ def animate(
     quiet: bool,
     **drawing: Any,
 ) -> None:
-    """Animate a run, as MP4, GIF, or SVG that moves by itself.
+    """Animate a run as MP4, GIF or animated SVG.
 
     RECORDING is the folder that 'multisrt explore' wrote, or the file recording.jsonl in it.
 
-    An SVG needs nothing else and moves on web pages and on GitHub. MP4 and GIF need the extra
+    SVG needs no extra, and is animated on web pages and on GitHub. MP4 and GIF need the extra
     'animation'.
 
     \b

@@ -58,10 +58,10 @@ class Duration(click.ParamType[float]):
 
 @click.group(cls=CommandGroup, epilog=EXAMPLES)
 def campaign() -> None:
-    """Try to break the program, by runs of all kinds.
+    """Test the program with random runs.
 
     Each mission is a run drawn from a seed: its world, team, radio, faults, strategy and options.
-    Of each it is judged whether what must hold in every run holds.
+    It is checked against invariants, which must hold in every run.
     """
 
 
@@ -70,14 +70,14 @@ def campaign() -> None:
     "--missions",
     type=click.IntRange(1),
     metavar="N",
-    help="Number of missions, those that are stored included.",
+    help="Number of missions, including those that are stored.",
 )
 @click.option(
     "--for",
     "for_s",
     type=Duration(),
     metavar="TIME",
-    help="Begin no mission after this time: 90s, 15m, 2h.",
+    help="Start no more missions after this time: 90s, 15m, 2h.",
 )
 @click.option(
     "--workers", type=click.IntRange(1), default=1, show_default=True, help="Number of processes."
@@ -94,7 +94,7 @@ def campaign() -> None:
     default=Path("campaign.sqlite"),
     show_default=True,
     metavar="FILE",
-    help="File for the missions, with which the same command goes on.",
+    help="File for the missions; the same command continues it.",
 )
 @click.option(
     "--shrink",
@@ -102,7 +102,7 @@ def campaign() -> None:
     default=3,
     show_default=True,
     metavar="N",
-    help="Failures of one invariant and strategy that are made smaller.",
+    help="Number of failures to shrink for each invariant and strategy.",
 )
 @click.option("--stop-at-first", is_flag=True, help="End with the first mission that fails.")
 @quiet_option("failures and the table")
@@ -116,11 +116,11 @@ def run(
     stop_at_first: bool,
     quiet: bool,
 ) -> None:
-    """Make missions and judge them.
+    """Execute missions and check them.
 
-    Mission K of a seed is the same however many there are. Each is stored as it is judged; after
-    an interruption the same command continues. A failure is made smaller, and left in a folder
-    beside the store, with its spec, its recording and a replay.
+    Mission K of a seed is the same whatever their number. Each is stored when it is checked; after
+    an interruption the same command continues. Failures are shrunk, and saved in folders next to
+    the store, with the spec, the recording and a replay.
 
     \b
     Examples:
@@ -270,7 +270,7 @@ def show(store: Path, number: int | None) -> None:
 
 @campaign.command()
 def invariants() -> None:
-    """List what is judged of every mission.
+    """List the invariants that every mission is checked against.
 
     \b
     Examples:
@@ -288,10 +288,10 @@ def invariants() -> None:
 @campaign.command()
 @click.argument("failure", metavar="FAILURE", type=click.Path(path_type=Path))
 def replay(failure: Path) -> None:
-    """Run a failure again, and say whether it still fails.
+    """Repeat a failure, and report whether it still fails.
 
-    FAILURE is a folder that 'multisrt campaign run' left. Its recording and its replay page are
-    written again; nothing is opened.
+    FAILURE is a folder that 'multisrt campaign run' wrote. Its recording and its replay are
+    rewritten; nothing is opened.
 
     \b
     Examples:
@@ -299,7 +299,7 @@ def replay(failure: Path) -> None:
 
     \b
     Exit code:
-      0  it does not fail any more   1  it still fails   2  bad input
+      0  it no longer fails   1  it still fails   2  bad input
     """
     from multisrt.campaign.failure import (
         FAILURE_NAME,

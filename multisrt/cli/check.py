@@ -97,7 +97,7 @@ def check(
     """Check your own explorer, and report its first defect.
 
     It explores small worlds, alone and in a team, and every action is checked against the
-    contract of explorers. The check stops at the first defect, and says what the explorer did,
+    contract of explorers. The check stops at the first defect, and reports what the explorer did,
     where, and what to change.
 
     STRATEGY is a file (mine.py), a class or Strategy in it (mine.py:Mine), one in a module

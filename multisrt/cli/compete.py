@@ -24,7 +24,7 @@ Examples:
 
 \b
 Exit code:
-  0  all runs ended   2  bad input   130  interrupted; it can go on
+  0  all runs ended   2  bad input   130  interrupted; can be continued
 """
 
 
@@ -96,7 +96,7 @@ class _Cell(click.ParamType[tuple[int, int]]):
     type=_Cell(),
     multiple=True,
     metavar="X,Y",
-    help="Start, as a cell of the only map; repeatable.  [default: drawn]",
+    help="Start, as a cell of a single map; repeatable.  [default: drawn]",
 )
 @click.option(
     "--draws",
@@ -113,17 +113,17 @@ class _Cell(click.ParamType[tuple[int, int]]):
 @click.option(
     "--workers", type=click.IntRange(1), default=2, show_default=True, help="Number of processes."
 )
-@out_folder("the results, which the same command goes on with", "runs/compete-STRATEGY")
+@out_folder("the results; the same command continues them", "runs/compete-STRATEGY")
 @click.option(
     "--policy-out",
     type=click.Path(path_type=Path),
     metavar="FILE",
-    help="Write the strategy as a policy file of the competition, and make no runs.",
+    help="Write the strategy as a policy file of the competition, without any runs.",
 )
 @click.option(
     "--as-it-is",
     is_flag=True,
-    help="Run the simulator without faster functions in place of its slowest.",
+    help="Run the original simulator, without replacing its slowest functions.",
 )
 @click.option("--any-version", is_flag=True, help="Allow another version of the competition.")
 @quiet_option("the scores")
@@ -141,9 +141,9 @@ def compete(
     """Run a strategy in the simulator of a public competition.
 
     CLONE is a clone of the repository of the Indoor Exploration Competition (IROS 2026), which
-    stays as it is. Each run is made as by its main.py: on its maps, with its numbers of steps,
-    and scored by its scoring.py, beside the published first places. Runs that are in the folder
-    of results are not made again.
+    is not changed. Runs are executed as by its main.py, on its maps and with its numbers of steps,
+    scored by its scoring.py, and compared with the published first places. Runs that are in the
+    folder of results are not repeated.
     """
     from multisrt.competition.clone import Clone
     from multisrt.competition.jobs import JobStore

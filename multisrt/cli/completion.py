@@ -157,8 +157,8 @@ def completion(context: click.Context, shell: str) -> None:
     """Print a script that completes commands in a shell.
 
     SHELL is bash, zsh or fish. The tab key then completes commands, options, worlds and their
-    parameters, strategies and their options, and files. The first lines of the script say where it
-    belongs.
+    parameters, strategies and their options, and files. The first lines of the script
+    describe where to put it.
 
     \b
     Examples:

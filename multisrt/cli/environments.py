@@ -167,7 +167,7 @@ def export(
 
     \b
     Formats, by the suffix of --out:
-      .yaml     ROS map server, with an image .pgm beside it
+      .yaml     ROS map server, with an image .pgm next to it
       .geojson  polygons, with suggested starts; also .json
       .wkt      well-known text: free space only
       .svg      outlines, with suggested starts; for a picture see 'show'
@@ -260,7 +260,7 @@ def _parameters(name: str) -> str:
     "starts",
     multiple=True,
     metavar="X,Y[,HEADING]",
-    help="Start of a robot (m, rad), whose part is the main part then; repeat it for a team.",
+    help="Start of a robot (m, rad), which sets the main part; repeat it for a team.",
 )
 @click.option(
     "--share",

@@ -103,7 +103,7 @@ experiment.add_command(check)
 @click.option(
     "--recordings",
     type=click.Choice(["none", "failed", "all"]),
-    help="Recordings to keep beside the results.  [default: as in FILE]",
+    help="Recordings to keep in addition to the results.  [default: as in FILE]",
 )
 @import_option
 @click.option(
@@ -119,9 +119,9 @@ def run(
 ) -> None:
     """Execute the runs of an experiment that have no result yet.
 
-    Each run is stored as it ends; after an interruption of any kind the same command continues.
-    The experiment may be extended meanwhile by repetitions or conditions, and by the reference:
-    then only plans are made.
+    Each run is stored when it ends; after an interruption of any kind the same command continues.
+    Repetitions or conditions may be added to the experiment at any time. If only the reference is
+    added, only plans are computed.
 
     \b
     Examples:

@@ -202,13 +202,13 @@ Exit code:
 @click.option(
     "--walls",
     type=click.Choice(["pass", "block", "weaken"]),
-    help="What walls do to the radio's signal.  [default: pass]",
+    help="Effect of walls on the radio signal.  [default: pass]",
 )
 @click.option(
     "--base",
     metavar="X,Y",
-    help="A base station (m), which robots reach by radio; measures tell what it knows. They go "
-    "there with --option home=in-time, worth, relays or chain.",
+    help="Base station (m), which robots reach by radio; adds measures of what it knows. Robots "
+    "drive there with --option home=in-time, worth, relays or chain.",
 )
 @world_options
 @out_folder("the results", "runs/ENV-STRATEGY-SEED, with a number if it exists")
@@ -217,12 +217,12 @@ Exit code:
 @click.option(
     "--view",
     is_flag=True,
-    help="Replay the runs in a browser when they are done: writes replay.html too.",
+    help="Replay the runs in a browser when they have ended; writes replay.html.",
 )
 @click.option(
     "--live",
     is_flag=True,
-    help="Replay the runs in a browser while they go on: the page of --view, rewritten every few "
+    help="Replay the runs in a browser during the runs: the page of --view, rewritten every few "
     "seconds.",
 )
 @click.option(
@@ -236,7 +236,7 @@ Exit code:
 @click.option(
     "--details",
     is_flag=True,
-    help="Print all measures, not only the main ones, of more than two runs a line for each.",
+    help="Print all measures, not only the main ones; with more than two runs, a line for each.",
 )
 @click.option("--watch", is_flag=True, help="Draw the team in the terminal while it runs.")
 @quiet_option()
@@ -261,8 +261,8 @@ def explore(
     ENV is a name that 'multisrt environments' lists, a world of a suite (indoor-30/07), or a map
     file: a ROS map_server YAML, an image with --resolution (its origin is the lower left corner),
     GeoJSON, WKT, SVG, DXF, a numpy array, a world of Stage, a grid or scenario of MovingAI, IMR
-    polygons or HouseExpo. FILE.py:CLASS or MODULE:CLASS in its place is a strategy of your own,
-    which explores the apartment.
+    polygons or HouseExpo. If it is FILE.py:CLASS or MODULE:CLASS, this strategy of your own
+    explores the apartment.
     """
     from multisrt.experiments.results import is_success
     from multisrt.robots.loading import is_reference

@@ -66,7 +66,7 @@ OPTIONS: Final = {
     "rate_hz",
     type=float,
     metavar="HZ",
-    help="Poses of a moving robot per second, besides its waypoints.  "
+    help="Poses of a moving robot per second, in addition to its waypoints.  "
     "[default: 10 in a run, waypoints only in trajectories]",
 )
 @click.option(

@@ -72,7 +72,7 @@ TABLES: Final = (".csv", ".md", ".tex")
     help="What 'visits' counts: times that robots drove over a place (passes), robots that did, "
     "scans that showed it, or robots that saw it (viewers).  [default: passes]",
 )
-@without_option("map", "  Of 'map' only, and in place of the default.  [default: outlines]")
+@without_option("map", "  For 'map' only; replaces the default.  [default: outlines]")
 @quiet_option()
 def figure(
     kind: str,
@@ -86,13 +86,13 @@ def figure(
     """Draw a figure of one or several runs.
 
     Each RECORDING is the folder that 'multisrt explore' wrote, of one run or several, or a file
-    recording.jsonl. Several runs are drawn side by side or in one diagram: all kinds but decisions
-    need runs of one world, and maps and activity show one run.
+    recording.jsonl. Several runs are drawn side by side or in one diagram. All kinds except
+    decisions need runs of the same world; maps and activity show one run.
 
     \b
     Kinds:
       map           trees or paths, nodes, and the area that each robot saw first
-      maps          each robot's own map at some times, over the true one
+      maps          each robot's own map at given times, over the true one
       trajectories  the paths of the robots
       coverage      coverage against time; median and quartiles of several runs
       activity      what each robot was doing, against time

@@ -36,7 +36,7 @@ from multisrt.cli.output_options import out_folder, quiet_option
 @import_option
 @click.option("--no-gallery", is_flag=True, help="Omit the trees, which need some runs repeated.")
 @click.option(
-    "--no-replays", is_flag=True, help="Omit the replays, pages of their own of the same runs."
+    "--no-replays", is_flag=True, help="Omit the replays of these runs, which are separate pages."
 )
 @quiet_option()
 def report(
@@ -52,7 +52,7 @@ def report(
 ) -> None:
     """Write a report of an experiment's results.
 
-    The report is one self-contained HTML page, with figures and tables beside it. RESULTS is the
+    The report is one self-contained HTML page, with files of its figures and tables. RESULTS is the
     file written by 'multisrt experiment run', which may still be running. Times relative to a
     team that knows the map are included if that command had --reference informed. Pictures of
     strategies of your own need --import.

@@ -59,7 +59,7 @@ def omit_options(command: Callable[..., None]) -> Callable[..., None]:
     "--seeds",
     type=click.IntRange(1, 100_000),
     metavar="N",
-    help="Repetitions of every condition, ablations apart.  [default: see above]",
+    help="Repetitions of every condition, except in ablations.  [default: see above]",
 )
 @map_options
 @running_options
@@ -103,9 +103,9 @@ def reproduce(
       minpos         40         8     not stated
       alvarez        20         7             40
 
-    Ablations change one thing in a few conditions, to show what a difference from the paper does
-    or why a claim does not hold. They are run after the experiment; with --map, only those in
-    worlds that the map does not replace.
+    Ablations change one thing in a few conditions, to show the effect of a difference from the
+    paper or why a claim does not hold. They are run after the experiment; with --map, only those
+    in worlds that the map does not replace.
 
     \b
     Files written to DIR:
@@ -117,8 +117,8 @@ def reproduce(
     \b
     Exit code:
       0  all runs succeeded: enough covered, no collision       2    bad input
-      3  some did not; the claims are judged all the same       130  interrupted
-    Ablations do not count: some of them are meant to fail.
+      3  some did not; the claims are judged anyway             130  interrupted
+    Ablations do not count: some of them are expected to fail.
     """
     import msgspec
 

@@ -1,4 +1,4 @@
-"""All invariants of a campaign, with what each demands."""
+"""All invariants of a campaign, with their descriptions."""
 
 from __future__ import annotations
 
@@ -13,43 +13,43 @@ from multisrt.geometry.errors import InvalidInputError, did_you_mean, shown
 
 OWN: Final = MappingProxyType(
     {
-        NO_ERROR: "Making a run raises no error and does not take its process down.",
-        ENDS: "Every run ends within a bound on events and its time limit, with an outcome and a "
-        "reason that fit.",
-        HANGS: f"Every run ends within {HANG_S:g} s of a clock, whatever it does.",
-        EQUAL_DIGEST: "Another process makes the same recording, byte for byte; tried for every "
-        f"run that fails, and one in {REPEATED_EVERY}.",
-        JUDGED: "The invariants can be judged: none of them raises an error.",
+        NO_ERROR: "The run raises no error and does not terminate its process.",
+        ENDS: "The run ends within its time limit and a bounded number of events, with a "
+        "consistent outcome and reason.",
+        HANGS: f"The run takes less than {HANG_S:g} s of elapsed time.",
+        EQUAL_DIGEST: "Another process produces the same recording, byte for byte; checked for "
+        f"every run that fails and for one run in {REPEATED_EVERY}.",
+        JUDGED: "All invariants can be evaluated: none of them raises an error.",
     }
 )
-"""What is judged of a run while it is made, by name; the others are judged of its recording."""
+"""Invariants that are checked while a run is executed; the others are checked on its recording."""
 
 
 def demands() -> dict[str, str]:
-    """Return what each invariant demands, by name: the first line of its docstring.
+    """Return the description of each invariant, by name: the first line of its docstring.
 
     Returns
     -------
     dict of str to str
-        Those that are judged while a run is made, then those that are judged of its recording.
+        Those that are checked while a run is executed, then those checked on its recording.
 
     Examples
     --------
     >>> demands()["no-error"]
-    'Making a run raises no error and does not take its process down.'
+    'The run raises no error and does not terminate its process.'
     """
     judged = {name: _demanded(invariant.__doc__ or "") for name, invariant in INVARIANTS.items()}
     return {**OWN, **{name: text for name, text in judged.items() if name not in OWN}}
 
 
 def _demanded(doc: str) -> str:
-    """Return what an invariant demands, by the first line of its docstring, "Check that ..."."""
+    """Return the description in the first line of a docstring, without "Check that"."""
     text = doc.strip().partition("\n")[0].removeprefix("Check that ")
     return text[:1].upper() + text[1:]
 
 
 def require_invariant(name: str) -> None:
-    """Raise InvalidInputError unless there is an invariant of a name.
+    """Raise InvalidInputError if there is no invariant with this name.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""What broke in a run."""
+"""Violations of invariants by a run."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ from typing import Final
 import msgspec
 
 MAX_LENGTH: Final = 160
-"""Maximum length of what violations say, in characters: with the replay it is a line or two."""
+"""Maximum length of the text of a violation, in characters."""
 
 MAX_QUOTED: Final = 37
-"""Maximum length of the reason of a robot in it, in characters."""
+"""Maximum length of the reason of a robot that is quoted in it, in characters."""
 
 
 def quoted(text: str, most: int = MAX_QUOTED) -> str:
-    """Return a text of at most some characters; dots mark a cut.
+    """Return a text shortened to at most `most` characters, with dots at its end.
 
     Examples
     --------
@@ -25,18 +25,18 @@ def quoted(text: str, most: int = MAX_QUOTED) -> str:
 
 
 class Violation(msgspec.Struct, frozen=True, kw_only=True):
-    """An invariant that a run broke.
+    """The violation of an invariant by a run.
 
     Attributes
     ----------
     invariant : str
         Its name in `multisrt.campaign.invariants.INVARIANTS`, such as ``no-collision``.
     says : str
-        One plain line: what broke, where, when.
+        One line: what went wrong, where and when.
     robot : int or None
-        The robot that broke it, if it is one.
+        The robot concerned, if it is a single one.
     time_s : float or None
-        When, in seconds from the start of the run, if it was at one moment.
+        Time in seconds from the start of the run, if it is a single moment.
 
     Examples
     --------

@@ -279,7 +279,7 @@ def invariants() -> None:
     from multisrt.campaign.listing import demands
     from multisrt.cli.tables import show, table
 
-    made = table("invariant", "what it demands")
+    made = table("invariant", "description")
     for name, text in demands().items():
         made.add_row(name, text)
     show(made)
@@ -322,7 +322,7 @@ def replay(failure: Path) -> None:
     still = [violation for violation in violations if is_alike(violation, found.violation)]
     click.echo(f"failed with: {found.invariant}: {found.says}")
     for violation in violations:
-        prefix = "still fails" if violation in still else "fails otherwise"
+        prefix = "still fails" if violation in still else "fails differently"
         click.echo(f"{prefix}: {violation.invariant}: {violation.says}")
     if not violations:
         click.echo("does not fail any more")

@@ -1,8 +1,8 @@
-"""Invariants: what every run has to hold, judged from its recording and the true world.
+"""Invariants: statements that hold in every run, checked on its recording and the true world.
 
-Each is an oracle of its own: it computes what it needs from the recorded motions, scans, messages
-and regions, and from the true free space, and asks neither the explorers nor the simulation
-whether they were right. Its docstring says what it demands, which tolerance it allows and why.
+Each invariant is checked by independent code, which uses the recorded motions, scans, messages and
+regions and the true free space, and does not rely on results of the explorers or the simulation.
+Its docstring states what is required, the tolerances, and the reasons for them.
 
 Examples
 --------
@@ -40,7 +40,7 @@ from multisrt.campaign.violations import Violation
 __all__ = ["INVARIANTS", "Invariant", "JudgedRun", "check"]
 
 Invariant = Callable[[JudgedRun], Violation | None]
-"""Judges a run: returns the first violation in time, or None."""
+"""Checks a run: returns the earliest violation, or None."""
 
 INVARIANTS: Final[Mapping[str, Invariant]] = MappingProxyType(
     {
@@ -67,7 +67,7 @@ INVARIANTS: Final[Mapping[str, Invariant]] = MappingProxyType(
 
 
 def check(run: JudgedRun) -> list[Violation]:
-    """Hold a run against all invariants.
+    """Check a run against all invariants.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Bodies never touch: neither walls nor one another, at any time."""
+"""Bodies never touch walls or each other."""
 
 from __future__ import annotations
 
@@ -42,18 +42,18 @@ BoolArray = NDArray[np.bool_]
 def no_collision(run: JudgedRun) -> Violation | None:
     """Check that no body touches an obstacle or another body, at any time of the run.
 
-    No event says so, no leg of a motion leads a body over a wall, and no two bodies overlap at one
-    moment; bodies of the dead, and of robots that have not started, stand where they are. Paths of
-    discs and what polygons sweep on straight legs are exact, to `TOUCH_M` (1e-6 m); where a polygon
-    turns, and between two bodies, time is halved until the bodies cannot meet between two samples,
-    as nothing on them moves faster than their motion says, or until they are within `FOUND_M`
-    (2e-5 m). Robots plan with more than ten times as much.
+    No event reports a collision, no leg of a motion crosses a wall, and no two bodies overlap at
+    the same time. The bodies of dead robots, and of robots that have not started, stay where they
+    are. Paths of discs and areas swept by polygons on straight legs are exact to `TOUCH_M` (1e-6
+    m). For turns of polygons and for pairs of bodies, time intervals are halved until the bodies
+    cannot meet between two samples, given the speeds of their motions, or until they are within
+    `FOUND_M` (2e-5 m). Robots plan with a margin more than ten times as large.
 
-    Walls that the beams of a laser missed are not known to be there: where a region on the map of
-    the robot holds a part of an obstacle beside it, its touching is no violation. `free-is-free`
-    bounds what beams may miss.
+    Robots cannot know of walls that the beams of a laser missed: contact with an obstacle is not a
+    violation if a region on the robot's map contains a part of that obstacle next to it.
+    `free-is-free` limits what beams may miss.
 
-    Cost: some milliseconds for each robot and each pair.
+    Cost: a few milliseconds for each robot and each pair.
     """
     for event in run.recording.of(Collision):
         here = shapely.Point(event.configuration[:2])
@@ -91,7 +91,7 @@ def _with_walls(run: JudgedRun) -> Iterator[Violation]:
 
 
 def _is_unseen(run: JudgedRun, robot: int, beside: BaseGeometry) -> bool:
-    """Whether a robot's map holds obstacles in an area, which beams missed."""
+    """Whether a robot's map contains obstacles in an area, which its beams missed."""
     if all(spec.range_finder.beams is None for spec in run.recording.spec.robots):
         return False
     obstacles = beside.difference(run.walls.grown)

@@ -1,4 +1,4 @@
-"""Robots that say that nothing is left have left nothing, and those boxed in cannot get out."""
+"""Robots that report a complete map left no frontier; those boxed in cannot get out."""
 
 from __future__ import annotations
 
@@ -69,39 +69,40 @@ BELIEF_S: Final = 30.0
 
 
 def complete_is_complete(run: JudgedRun) -> Violation | None:
-    """Check that a robot that left nothing, as it says, could have opened nothing it knew of.
+    """Check that a robot that reports a complete map left no frontier that it could explore.
 
-    Of each robot that lives and whose last end is complete, the regions of all nodes that it knew
-    then (in a complete run: at the end of the run) are united, and taken from the true free space
-    around its start. What is left is unknown to it. Its frontier is the part of the border of what
-    is unknown that is in sight, in the true map, of a place where its body can stand; that place is
-    joined to where the robot stands by places that are known and away from walls. The frontier that
-    is in sight without a break must be no longer than what its rules may leave:
+    For each robot that is alive and whose last end is complete, the regions of all nodes that it
+    knew then (in a complete run: at the end of the run) are united and subtracted from the true
+    free space around its start. The remainder is unknown to the robot. Its frontier is the part of
+    the border of the unknown area that is visible, in the true map, from a place where its body can
+    stand; that place is connected to the place of the robot by known places away from walls. A
+    contiguous visible frontier must be no longer than the rules of the strategy may leave:
 
     - bidding: `min_frontier_m` (the body's width by default) and four cells. The body stands three
-      cells from it, as goals are cells at the frontier; paths are 1.5 cells from the unknown and
-      two cells and the margin from walls; unknown parts that hold no disc of a cell are scraps;
+      cells from it, because goals are cells at the frontier; paths keep 1.5 cells from the unknown
+      area, and two cells and the margin from walls; unknown parts that contain no disc with the
+      radius of a cell are ignored;
     - SRT: the body's width and 0.1 m, within the range, or with `srt-ball` within the ball at the
-      place; the body is off walls and off the unknown by its margin and 0.02 m, and off the other
-      bodies at that time, as arcs behind bodies that do not answer are left; only frontier of the
-      robot's own tree counts, as trees of others are left to others; it does not look from places
-      that are nearer to a node than `completion_spacing` times `d_min_m`, and a cell of the
-      lattice of its places; unknown parts that hold no disc of 0.05 m are scraps.
+      place. The body keeps its margin and 0.02 m from walls and from the unknown area, and keeps
+      away from the other bodies at that time, because arcs behind bodies that do not answer are
+      left. Only the frontier of the robot's own tree counts, because other trees are left to their
+      robots. Places within `completion_spacing` times `d_min_m`, plus a cell of its lattice of
+      places, of a node do not count. Unknown parts that contain no disc of 0.05 m are ignored.
 
-    Where `max_views` is less than 3, or `d_min_m` more than the body's width, arcs that were given
-    up as seen from near do not count either: so few views are allowed of so large a spot. Nor do
-    they with `srt-ball`: a ball hardly wider than the body has no place that is not near its node,
-    and its arc is given up before other robots come to know the space around it.
+    If `max_views` is less than 3, or `d_min_m` greater than the body's width, arcs that were closed
+    as seen from nearby do not count either, because too few views of too large an area are allowed.
+    They never count with `srt-ball`: a ball hardly wider than the body has no place that is not
+    near its node, and its arc is closed before other robots know the space around it.
 
-    Unknown parts of less than 0.05 m2 are scraps as well, with stars and balls what is within
-    `contact_tolerance_m` of a wall, and with a laser what is so near to a wall that its beams leave
-    it out. Not judged are cars, whose turns are not worked out here: they give up places to which
-    they find no path; bidding robots with `shape=ball`, which drive within the last ball, find no
-    way in one that is as small as a wall is near, and give up all goals; SRT with
-    `gaps_count=false`, which leaves gaps by its rules; and robots whose few beams show no more free
-    space around them than the body and its distance from walls take.
+    Also ignored are unknown parts of less than 0.05 m2; with stars and balls, places within
+    `contact_tolerance_m` of a wall; with a laser, places so close to a wall that its beams omit
+    them. These are not checked: cars, whose turns are not computed here and which give up places
+    to which they find no path; bidding robots with `shape=ball`, which drive within the last ball
+    and give up all goals if it is as small as the distance to a wall; SRT with `gaps_count=false`,
+    which leaves gaps on purpose; and robots with so few beams that the free space that they show
+    is no larger than the body and its distance from walls.
 
-    Cost: some overlays for each robot that says so.
+    Cost: a few overlays for each such robot.
     """
     for robot, end in sorted(run.ends.items(), key=lambda item: item[1].time_s):
         if not end.complete or not _may_judge(run, robot):
@@ -116,15 +117,16 @@ def complete_is_complete(run: JudgedRun) -> Violation | None:
 
 
 def boxed_in_is_boxed_in(run: JudgedRun) -> Violation | None:
-    """Check that a robot boxed in, as it says, gets to no frontier past the bodies of others.
+    """Check that a robot that reports being boxed in cannot reach a frontier past other bodies.
 
-    As for `complete_is_complete`, with the bodies of all other robots as obstacles: wherever they
-    were in the time for which the robot may have believed them to be there, 1.5 `body_stays_s`
-    of bidding robots and 30 s of SRT; with the distances of the protective stop, and a slack of
-    0.05 m or two cells. Robots that end as they and others too often failed to let each other pass
-    (`max_jams`; SRT: `gives_up_after`) may have a way, and are not judged.
+    As for `complete_is_complete`, with the bodies of all other robots as obstacles: at all places
+    where they were during the time for which the robot may have assumed them to be there (1.5
+    times `body_stays_s` for bidding robots, 30 s for SRT), enlarged by the distance of the
+    protective stop and a tolerance of 0.05 m or two cells. Robots that ended because they and
+    others failed too often to let each other pass (`max_jams`; SRT: `gives_up_after`) may have a
+    path, and are not checked.
 
-    Cost: some overlays for each robot that says so.
+    Cost: a few overlays for each such robot.
     """
     for robot, end in sorted(run.ends.items(), key=lambda item: item[1].time_s):
         if not end.reason.startswith("boxed in") or not _may_judge(run, robot):

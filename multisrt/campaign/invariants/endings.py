@@ -1,4 +1,4 @@
-"""Every run ends, says how and why, and what it says fits what its robots said."""
+"""Every run ends, with an outcome and a reason that agree with those of its robots."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ WAITS_FOR_EVER: Final = "for a message that never comes"
 
 
 def ends(run: JudgedRun) -> Violation | None:
-    """Check that a run ends within a bound on events, with an outcome and a reason that fit.
+    """Check that a run ends within a bounded number of events, with a consistent outcome.
 
-    It has at most 2,000 events for each robot, and 100 for each second and each robot; messages
-    count once for each robot of the team. The outcome is `complete` only if all robots that live
-    have ended completely; `out_of_time` only at the time limit; `stalled` not where robots wait
-    for a message that never comes, which nobody is to do. Reasons are not empty, nothing happens
-    after the end, and a run that has ended before its time limit ended with an event.
+    It has at most 2,000 events per robot, plus 100 per second and robot; a message counts once for
+    each robot of the team. The outcome is `complete` only if all robots that are alive ended as
+    complete, and `out_of_time` only at the time limit. It is not `stalled` because of robots that
+    wait for a message that never comes, since no robot may do that. Reasons are not empty, nothing
+    happens after the end, and a run that ended before its time limit ended with an event.
 
     Cost: negligible.
     """

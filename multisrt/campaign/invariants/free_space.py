@@ -1,4 +1,4 @@
-"""What robots take as free is free, and was in sight from where it was noted."""
+"""Space that robots take as free is free, and was visible from the place of its scan."""
 
 from __future__ import annotations
 
@@ -25,15 +25,15 @@ RANGE_M: Final = 1e-3
 
 
 def free_is_free(run: JudgedRun) -> Violation | None:
-    """Check that regions noted as known lie in the true free space, and are seen from within.
+    """Check that recorded regions lie in the true free space and are visible from their scan.
 
-    Every region is star-shaped about the place of its scan, to 1e-5 m, so that all of it was in
-    sight; it lies within the range of the range finder, to 1e-3 m; and in free space, grown by
-    1e-5 m. With a laser it may also hold obstacles that its beams missed: those that are within
-    half of the distance between two beams of free space, at the full range. Robots paint their
-    rasters with these regions, and merge those of others, so that nothing else is taken as free.
+    Every region is star-shaped about the place of its scan, to 1e-5 m, so all of it was visible. It
+    lies within the range of the range finder, to 1e-3 m, and in free space enlarged by 1e-5 m.
+    With a laser it may also contain obstacles that the beams missed: those whose distance from free
+    space is at most half the distance between two beams at full range. Robots fill their rasters
+    with these regions and with those received from others, so nothing else is taken as free.
 
-    Cost: one test for each region; some milliseconds a run.
+    Cost: one test for each region; a few milliseconds per run.
     """
     robots = run.recording.spec.robots
     spaces: dict[float, BaseGeometry] = {}
@@ -80,7 +80,7 @@ def _not_seen(corners: FloatArray, node: NodeAdded, spec: RobotSpec) -> str | No
         return f"is not in sight as a whole: its border turns back at ({x:.3f}, {y:.3f})"
     turned = float(np.arctan2(areas, (arms * following).sum(axis=1)).sum())
     if abs(turned - 2.0 * math.pi) > 1e-3 and float(np.minimum(*lengths).min()) > TOLERANCE_M:
-        return f"goes round its place by {math.degrees(turned):.1f} degrees instead of 360"
+        return f"covers {math.degrees(turned):.1f} degrees around its place instead of 360"
     return None
 
 
@@ -94,4 +94,4 @@ def _not_free(run: JudgedRun, node: NodeAdded, space: BaseGeometry) -> str | Non
         return None
     largest = max(pieces, key=lambda piece: float(piece.area))
     x, y = largest.representative_point().coords[0]
-    return f"holds {beyond.area:.6f} m2 of obstacles, such as ({x:.3f}, {y:.3f})"
+    return f"contains {beyond.area:.6f} m2 of obstacles, e.g. at ({x:.3f}, {y:.3f})"

@@ -1,4 +1,4 @@
-"""News that can be delivered are delivered: who hears of what it lacks comes to know it."""
+"""Data that can be delivered is delivered to every robot that hears that it lacks it."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ REPORTS: Final = ("report", "state")
 
 
 def hearers_learn(run: JudgedRun) -> Violation | None:
-    """Check that who hears how much a robot knows comes to know as much, if nothing hinders it.
+    """Check that a robot receives all nodes of which it heard, if nothing prevents it.
 
-    Reports say how many nodes their sender knows. In a complete run, with a radio that loses
-    nothing, everybody knows in the end all that the last report that it heard from each other
-    robot was about, as what it lacked was sent with it or could be asked for: robots that live, and
-    the base station. With a radio that does not reach everywhere, nobody may have moved since, so
-    that the answer comes as well; since the report no radio may have failed, come back or come to
-    be.
+    Reports state how many nodes their sender knows. In a complete run with a radio that loses
+    nothing, each robot that is alive, and the base station, finally knows all nodes covered by the
+    last report that it heard from each other robot, because missing nodes were sent with it or
+    could be requested. If the radio does not reach everywhere, this holds only if no robot has
+    moved since, so that the answer also arrives. No radio may have failed, recovered or been
+    switched on since the report.
 
     Cost: one look at each event.
     """
@@ -63,18 +63,18 @@ def hearers_learn(run: JudgedRun) -> Violation | None:
 
 
 class _Known:
-    """What everybody knows in the end, and what the last reports were about.
+    """The nodes that each member knows in the end, and the contents of the last reports.
 
     Attributes
     ----------
     by_member : list of dict
         The nodes that each robot, and the base station, came to know, in their order.
     reports : dict
-        By hearer and sender when the last report came, and how many nodes its sender knew.
+        By receiver and sender: when the last report came, and how many nodes its sender knew.
     changed_s : list of float
-        By robot when its radio last failed, worked again or came to be; ``inf`` once dead.
+        By robot: when its radio last failed, recovered or was switched on; ``inf`` if it died.
     settled_s : float
-        Since when nobody has moved, and no radio changed.
+        Time since which no robot has moved and no radio has changed.
     """
 
     def __init__(self, run: JudgedRun) -> None:

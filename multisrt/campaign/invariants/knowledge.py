@@ -1,4 +1,4 @@
-"""What robots know comes from their own scans, or from messages that came to them."""
+"""Robots know only what they scanned or received in messages."""
 
 from __future__ import annotations
 
@@ -38,23 +38,24 @@ ROUNDING_S: Final = 1e-6
 
 
 def knowledge_by_scan_or_message(run: JudgedRun) -> Violation | None:
-    """Check that robots know what they scanned, and what messages brought them.
+    """Check that robots know only what they scanned or received in messages.
 
-    A node is noted where its robot has taken a scan, to 1e-6 m. A node of another robot is learned,
-    and named in arcs, decisions and as a parent, only after a message that was sent to the robot by
-    one that knew the node when it sent it, and only after the latency; the receiver's radio must
-    have worked when the message came. Robots named in groups, orders and tables of goals were heard
-    of in the same way. The base station learns by the messages of the robot that it names.
+    A node is recorded where its robot has taken a scan, to 1e-6 m. A node of another robot is
+    learned, or named in arcs, in decisions and as a parent, only after a message to the robot from
+    one that knew the node when it sent the message, and only after the latency. The receiver's
+    radio must have worked when the message arrived. The same holds for robots named in groups,
+    orders and tables of goals. The base station learns from messages of the robot that it names.
 
-    It is not told which message held what, so any message may have held all that its sender knew.
+    Recordings do not contain the contents of messages, so any message may have contained all that
+    its sender knew.
 
-    Cost: one look at each event.
+    Cost: one pass over the events.
     """
     return next(_Knowledge(run).violations(), None)
 
 
 class _Knowledge:
-    """What each robot, and the base station, can know at a point of a recording."""
+    """The nodes that each robot, and the base station, can know at a point of a recording."""
 
     def __init__(self, run: JudgedRun) -> None:
         self._run = run
@@ -77,7 +78,7 @@ class _Knowledge:
         self._scans: dict[int, dict[tuple[int, int], list[Pose]]] = defaultdict(dict)
 
     def violations(self) -> Iterator[Violation]:
-        """Yield what is known without a scan or message, in the order of the recording."""
+        """Yield nodes known without a scan or message, in the order of the recording."""
         for event in self._run.recording.events:
             for what in self._wrong(event):
                 robot = self._base if isinstance(event, BaseLearned) else event.robot
@@ -166,7 +167,7 @@ class _Knowledge:
             self._know(member, name)
 
     def _was_told(self, member: int, sender: int, name: NodeName, time_s: float) -> bool:
-        """Whether a message that held a node can have come from a robot by a time."""
+        """Whether a message that contained a node can have come from a robot by a time."""
         place = self._order[sender].get(name)
         if place is None:
             return False

@@ -1,4 +1,4 @@
-"""Messages come to those that the radio reaches, and to no others."""
+"""Messages arrive at the robots that the radio reaches, and at no others."""
 
 from __future__ import annotations
 
@@ -29,35 +29,36 @@ Place = tuple[float, float]
 
 
 def messages_over_links(run: JudgedRun) -> Violation | None:
-    """Check that a message reaches only robots to which the radio has a link, or relays.
+    """Check that a message reaches only robots that the radio links, directly or by relays.
 
-    The sender, the receiver and all relays take part and are not silent. Each link is no longer
-    than the range, to 1e-6 m; where walls block, the line lies in free space grown by 1e-6 m, and
-    where they weaken, the range is that for the number of its parts that do not. Without relays
-    the one link is that of sender and receiver. Messages are lost only by a radio that loses some.
+    The sender, the receiver and all relays are switched on, alive and not silent. Each link is no
+    longer than the range, to 1e-6 m. If walls block, its line lies in free space enlarged by 1e-6
+    m; if walls weaken, the range is reduced for each wall that the line crosses. Without relays
+    the sender must have a link to the receiver. Messages are lost only if the radio has losses.
 
-    Cost: negligible for radios that reach everywhere; else one line for each pair of places.
+    Cost: negligible for radios that reach everywhere; otherwise one line for each pair of places.
     """
     return next(_Links(run).violations(NAME, _Links.wrong), None)
 
 
 def reaches_all_in_reach(run: JudgedRun) -> Violation | None:
-    """Check that a message to all reaches all to which the radio surely has a link, or relays.
+    """Check that a message to all reaches all robots certainly linked, directly or by relays.
 
-    As for `messages_over_links`, with all tolerances the other way: links that are shorter than
-    the range by 1e-6 m, lines that keep 1e-6 m off walls, or through no more walls than weaken them
-    enough; between robots that take part and are not silent. A message counts as one to all if it
-    reaches several, or is of a kind that is never sent to one; to be lost counts as to be reached.
-    A message that reaches nobody is one too many if all others are surely in reach.
+    As for `messages_over_links`, with all tolerances reversed: links that are shorter than the
+    range by 1e-6 m, whose lines keep 1e-6 m from walls or cross so few walls that the signal
+    suffices, between robots that are switched on, alive and not silent. A message counts as one to
+    all if it reaches several robots, or is of a kind that is never sent to a single one. A receiver
+    to which it was lost counts as reached. A message that reaches no robot is a violation if all
+    others are certainly in range.
 
-    Cost: negligible for radios that reach everywhere; else one line for each pair of places.
+    Cost: negligible for radios that reach everywhere; otherwise one line for each pair of places.
     """
     links = _Links(run, is_sure=True)
     return next(links.violations(REACHES_ALL, _Links.missed), None)
 
 
 class _Links:
-    """The links of a run, worked out anew: those that may hold, or those that surely do."""
+    """The links of a run, computed independently: possible ones, or certain ones."""
 
     def __init__(self, run: JudgedRun, *, is_sure: bool = False) -> None:
         self._run = run
@@ -71,7 +72,7 @@ class _Links:
     def violations(
         self, name: str, wrong_with: Callable[[_Links, Sent], str | None]
     ) -> Iterator[Violation]:
-        """Yield messages that came where they cannot have come, or not where they must have."""
+        """Yield messages that arrived where they cannot, or did not arrive where they must."""
         sent = self._run.recording.of(Sent)
         self._place_all([message.time_s for message in sent])
         for message in sent:
@@ -86,7 +87,7 @@ class _Links:
                 )
 
     def wrong(self, message: Sent) -> str | None:
-        """Return what is wrong with a message that came where it cannot have come."""
+        """Return what is wrong with a message that arrived where it cannot."""
         receivers, now_s = (*message.reached, *message.lost), message.time_s
         if not receivers:
             return None
@@ -112,7 +113,7 @@ class _Links:
         return f"reaches robot {far[0]}, {apart_m:.3f} m away, to which there is no link"
 
     def missed(self, message: Sent) -> str | None:
-        """Return what is wrong with a message that did not come where it must have."""
+        """Return what is wrong with a message that did not arrive where it must."""
         sender, now_s = message.robot, message.time_s
         receivers = {*message.reached, *message.lost}
         is_to_all = len(receivers) > 1 or message.kind in TO_ALL

@@ -1,4 +1,4 @@
-"""What is measured of a run is consistent with itself, and with the union of its regions."""
+"""The measures of a run are consistent with each other and with the union of its regions."""
 
 from __future__ import annotations
 
@@ -31,17 +31,18 @@ GRID_M: Final = 1e-6
 
 
 def measures_consistent(run: JudgedRun) -> Violation | None:
-    """Check that coverage never falls, that areas and times are nested, and fit the regions.
+    """Check that the measures of a run are consistent with each other and with its regions.
 
-    Covered lies within seen, seen within explorable, explorable within the free space around the
-    starts, and delivered within covered; each percent of coverage is reached no earlier than the
-    one before, and delivered no earlier than covered; 90, 95 and 99 % come in this order and before
-    the end. What is covered is no more than the union of the nodes' regions, by an overlay of
-    polygons, and, with exact range finders, no less than that union less what is not explorable;
-    3e-4 of the explorable area are allowed, where the measures promise 1e-4.
+    The covered area is at most the seen area, this at most the explorable area, this at most the
+    free space around the starts; the delivered area is at most the covered area. Coverage never
+    decreases: each percent is reached no earlier than the previous one, and delivered no earlier
+    than covered; 90, 95 and 99 % are reached in this order and before the end. The covered area is
+    at most the union of the nodes' regions, computed as an overlay of polygons; with exact range
+    finders it is at least that union without its parts that are not explorable. The tolerance is
+    3e-4 of the explorable area; the accuracy of the measures is 1e-4.
 
-    Cost: that of `measure`, about 0.15 s, and of the union. It is the largest of all, so one run in
-    `ONE_IN` (3) is measured, by the seed of its spec: the same spec is always treated alike.
+    Cost: that of `measure`, about 0.15 s, and of the union. It is the highest of all invariants, so
+    only one run in `ONE_IN` (3) is measured, depending on the seed of its spec.
     """
     if run.recording.spec.seed % ONE_IN:
         return None
@@ -110,7 +111,7 @@ def _ordered(m: Metrics, curves: Curves) -> Iterator[str]:
 
 
 def _falling(times_s: Sequence[float | None]) -> list[int]:
-    """Return the positions of times that come before the one before them; None is never."""
+    """Return the positions of times earlier than the previous one; None stands for never."""
     return [
         k
         for k, (one, other) in enumerate(itertools.pairwise(times_s), 1)

@@ -1,4 +1,4 @@
-"""Maps are the same in whatever order their parts are merged, and closings concern who is meant."""
+"""Maps do not depend on the order of merging, and closings apply only where they should."""
 
 from __future__ import annotations
 
@@ -27,13 +27,12 @@ MAX_NODES: Final = 40
 
 
 def merge_order(run: JudgedRun) -> Violation | None:
-    """Check that the nodes and closings that a robot knew give one map, in any order.
+    """Check that the nodes and closings that a robot knew give the same map in any order.
 
-    Of up to two robots, drawn by the digest of the run, up to 40 nodes and all closings on record
-    are merged in the order in which the robot came to know them and in another one, drawn too: the
-    frontiers of all nodes, the roots and the open nodes are the same, number for number. Of robots
-    that bid for frontiers, a raster painted in both orders has the same cells, passable cells and
-    frontier groups.
+    For up to two robots, drawn from the digest of the run, up to 40 nodes and all recorded closings
+    are merged in the order in which the robot received them and in a random order. The frontiers of
+    all nodes, the roots and the open nodes are exactly equal. For robots that bid for frontiers, a
+    raster filled in both orders has the same cells, passable cells and frontier groups.
 
     Cost: some tens of milliseconds.
     """
@@ -52,13 +51,13 @@ def merge_order(run: JudgedRun) -> Violation | None:
 
 
 def closings_are_for_some(run: JudgedRun) -> Violation | None:
-    """Check that arcs that others gave up are left out only by robots whom their reason concerns.
+    """Check that a robot omits arcs closed by others only if their reason applies to it.
 
-    For the nodes and closings of `merge_order`: an arc that another robot gave up as not reachable,
-    or that a wider one gave up as too narrow, stays part of the frontier. So a map into which
-    such closings are merged is that without them, number for number.
+    For the nodes and closings of `merge_order`: an arc that another robot closed as not reachable,
+    or that a wider robot closed as too narrow, stays part of the frontier. A map into which such
+    closings are merged is therefore exactly equal to the map without them.
 
-    Cost: some milliseconds, where there are such closings.
+    Cost: a few milliseconds, if there are such closings.
     """
     for robot, entries, _ in _drawn(run):
         width_m = Footprint.parse(run.recording.spec.robots[robot].footprint).width_m
@@ -85,7 +84,7 @@ def _concerns(entry: Entry, robot: int, width_m: float) -> bool:
 
 
 def _drawn(run: JudgedRun) -> Iterator[tuple[int, list[Entry], list[Entry]]]:
-    """Yield some robots, each with what it knew in the order of the run, and in another one."""
+    """Yield some robots, each with its entries in the order of the run and in a random order."""
     rng = np.random.default_rng(int(run.recording.footer.digest[:8] or "0", 16))
     robots = rng.permutation(len(run.robots))[:MAX_ROBOTS].tolist()
     for robot in robots:

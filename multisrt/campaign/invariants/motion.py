@@ -1,4 +1,4 @@
-"""Bodies move as their drives can, from where they are, and only while they take part."""
+"""Motions respect the drive, begin where the body is, and occur only while a robot is active."""
 
 from __future__ import annotations
 
@@ -44,12 +44,12 @@ PLACE_M: Final = 1e-5
 
 
 def motion_within_drive(run: JudgedRun) -> Violation | None:
-    """Check that every leg of a motion is one that the drive of the body can do.
+    """Check that every leg of a motion is within the limits of the robot's drive.
 
-    No faster than its speed, and a differential drive turns no faster than its turn rate; it and a
-    car move along their heading, not to the side; a holonomic body keeps its heading; a car turns
-    on no smaller radius than its own, and a Dubins car never backwards. A leg may be longer by
-    1e-6 m, turn by 1e-6 rad more, and end 1e-5 m to the side, for rounding.
+    No body is faster than its speed, and no differential drive turns faster than its turn rate.
+    Differential drives and cars move along their heading, not sideways; holonomic bodies keep their
+    heading; cars turn with at least their turning radius, and Dubins cars never drive backwards.
+    For rounding, a leg may be 1e-6 m longer, turn by 1e-6 rad more and end 1e-5 m to the side.
 
     Cost: negligible.
     """
@@ -88,7 +88,7 @@ def _limits(
     along: FloatArray,
     headings: FloatArray,
 ) -> Iterator[tuple[int, str]]:
-    """Yield the first leg beyond each limit, and what it does there."""
+    """Yield the first leg that exceeds each limit, with a description."""
     for k in np.flatnonzero(lengths > drive.speed_m_s * lasting + ROUNDING_M)[:1].tolist():
         yield k, f"drives {lengths[k]:.4f} m in {lasting[k]:.4f} s, beyond {drive.speed_m_s:g} m/s"
     if drive.kind == "holonomic":
@@ -116,11 +116,12 @@ def _limits(
 
 
 def motion_continuous(run: JudgedRun) -> Violation | None:
-    """Check that poses never jump, and that only robots that take part move, sense and send.
+    """Check that poses never jump, and robots act only between their start and their death.
 
-    A motion begins where the last one ended, and not before; its waypoints lie in time from its
-    begin to the end of the run. Scans are taken, and robots stop and die, where their motions say
-    that they are, to 1e-5 m. Before a late start and after its death a robot does nothing.
+    A motion begins at the place where the previous one ended, and not before its end; the times of
+    its waypoints lie between its beginning and the end of the run. Robots scan, stop and die at the
+    place given by their motions, to 1e-5 m. Before a late start and after its death a robot does
+    nothing.
 
     Cost: negligible.
     """
@@ -141,7 +142,7 @@ def _jumps(run: JudgedRun) -> Iterator[Violation]:
                 )
             if begin_s < time_s - ROUNDING_S or abs(begin_s - motion.time_s) > ROUNDING_S:
                 yield _violation(
-                    robot, begin_s, f"sets out while it moves still, until {time_s:.2f} s"
+                    robot, begin_s, f"begins a motion before the last one ends, at {time_s:.2f} s"
                 )
             times = [waypoint[0] for waypoint in motion.waypoints]
             if any(later < earlier for earlier, later in itertools.pairwise(times)):

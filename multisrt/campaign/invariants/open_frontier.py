@@ -1,4 +1,4 @@
-"""What a robot could still have opened, worked out on the true map by overlays of polygons."""
+"""The frontier that a robot could still have explored, computed on the true map."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ WALL_M: Final = 0.01
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OpenFrontier:
-    """A stretch of frontier that a body can see across.
+    """A contiguous frontier that is visible from a place of a body.
 
     Attributes
     ----------
@@ -42,7 +42,7 @@ class OpenFrontier:
     place : (x, y)
         Its middle.
     stand : (x, y)
-        A place of the body's reference point from which it is seen.
+        A place of the body's reference point from which it is visible.
     """
 
     length_m: float
@@ -53,22 +53,22 @@ class OpenFrontier:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Reach:
-    """How a robot's rules limit where it goes, and what it takes as frontier.
+    """The limits of where a robot goes, and of what counts as frontier for it.
 
     Attributes
     ----------
     off_walls_m : float
-        Distance of its reference point from walls that is more than enough for it.
+        Distance of its reference point from walls that is certainly sufficient.
     off_unknown_m : float
-        The same from what it does not know.
+        The same for the unknown area.
     scrap_m : float
-        Unknown parts that hold no disc of this radius are scraps.
+        Unknown parts that contain no disc of this radius are ignored.
     blind_m : float
-        What is nearer to a wall may look like a wall to it: 0 for an exact range finder.
+        Places closer to a wall may appear as wall to it; 0 for an exact range finder.
     sees_m : float
-        From how far away it looks at a frontier.
+        Distance from which it looks at a frontier.
     least_m : float
-        Shorter stretches are none.
+        Shorter frontiers do not count.
     is_ball : bool
         Whether its regions are balls: from a place it sees no farther than the next wall.
     """
@@ -93,7 +93,7 @@ def open_frontiers(
     looked: BaseGeometry | None = None,
     only: BaseGeometry | None = None,
 ) -> list[OpenFrontier]:
-    """Return what a robot could still open, by a map of regions, the longest first.
+    """Return the frontiers that a robot could still explore, the longest first.
 
     Parameters
     ----------
@@ -104,15 +104,15 @@ def open_frontiers(
     names : iterable of (robot, serial)
         The nodes on its map.
     reach : Reach
-        Where it can go, and what counts.
+        Where it can go, and what counts as frontier.
     at : sequence of float
         Where it stands: x and y come first.
     obstacles : geometry, optional
         Places where its reference point cannot be.
     looked : geometry, optional
-        Places that count as looked from: it passes them, but does not look from there again.
+        Places from which it has looked: it may pass them, but does not look from there again.
     only : geometry, optional
-        Where the frontier has to lie to be its own.
+        Area in which the frontier must lie to belong to it.
     """
     space = run.component(robot)
     unknown, standing = run.once(
@@ -173,7 +173,7 @@ def _united(run: JudgedRun, names: Iterable[NodeName]) -> BaseGeometry:
 
 
 def solid(shape: BaseGeometry) -> BaseGeometry:
-    """Return the polygons of a shape, without the points and lines at which others touch."""
+    """Return the polygons of a geometry, without its points and lines."""
     if isinstance(shape, Polygon | MultiPolygon):
         return shape
     return MultiPolygon([p for p in shapely.get_parts(shape) if isinstance(p, Polygon)])

@@ -1,4 +1,4 @@
-"""Robots that drive get somewhere: none drives in circles."""
+"""Robots make progress: none drives in circles."""
 
 from __future__ import annotations
 
@@ -33,15 +33,15 @@ GOAL_M: Final = 0.5
 
 
 def drives_get_somewhere(run: JudgedRun) -> Violation | None:
-    """Check that no robot drives on and on without a step forward.
+    """Check that no robot drives farther than the length of all walls without making progress.
 
-    Between two steps forward a robot drives at most as far as all walls of the world are long
-    together; to any place and back is shorter. A step forward of all robots is a region that shows
-    a place that none of them had seen, of some 4000 in the free space, an arc that is closed, an
-    end, and a fault that strikes or is over. A step of one robot is that it learns of a node of
-    another one, and that it chooses a goal in a square of 0.5 m where it has had none. With the
-    SRT family a node is a step, as one that is not new ends at an arc. There are finitely many
-    such steps, so that a robot that goes to and fro for ever is found once its run is long enough.
+    Between two events of progress, a robot drives at most the total length of all walls of the
+    world; any place is reached, and left again, on a shorter path. Progress of all robots is a
+    region that shows a place not seen by any of them (of about 4000 in the free space), the closing
+    of an arc, the end of a robot, and the beginning or end of a fault. Progress of one robot is
+    learning of a node of another robot, and choosing a goal in a square of 0.5 m in which it has
+    had none. In the SRT family a new node is progress. There are finitely many such events, so a
+    robot that drives to and fro for ever is found if its run is long enough.
 
     Cost: each region tests the points that no earlier one has shown.
     """
@@ -57,7 +57,7 @@ def drives_get_somewhere(run: JudgedRun) -> Violation | None:
             return Violation(
                 invariant=NAME,
                 says=f"robot {robot} drives {driven_m[longest]:.1f} m from {steps[longest]:.2f} s "
-                f"to {steps[longest + 1]:.2f} s, and gets nowhere; all walls are {limit_m:.1f} m",
+                f"to {steps[longest + 1]:.2f} s, without progress; all walls are {limit_m:.1f} m",
                 robot=robot,
                 time_s=float(steps[longest]),
             )
@@ -65,7 +65,7 @@ def drives_get_somewhere(run: JudgedRun) -> Violation | None:
 
 
 def _shared_steps(run: JudgedRun) -> list[float]:
-    """Return the times of the steps forward that count for all robots."""
+    """Return the times of progress that counts for all robots."""
     unseen = _points_in(run.environment.free)
     times = []
     for event in run.recording.events:
@@ -82,7 +82,7 @@ def _shared_steps(run: JudgedRun) -> list[float]:
 
 
 def _own_steps(run: JudgedRun, robot: int) -> Iterator[float]:
-    """Yield the times of the steps forward of one robot."""
+    """Yield the times of progress of one robot."""
     squares = set()
     for event in run.recording.of(Learned):
         if event.robot == robot:
@@ -108,7 +108,7 @@ def _points_in(free: shapely.geometry.base.BaseGeometry) -> FloatArray:
 
 
 def _driven_m(run: JudgedRun, robot: int, times: FloatArray) -> FloatArray:
-    """Return how far a robot has driven by some times."""
+    """Return the distance that a robot has driven by each time."""
     track = run.tracks[robot]
     begin_m = np.concatenate([[0.0], np.cumsum(track.lengths)])
     begin_s = np.append(track.legs[:, 0], track.legs[-1, 4])

@@ -1,4 +1,4 @@
-"""Robots start where and when they are told to, and faults strike as they are told."""
+"""Robots start as specified, and faults occur as specified."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ Said = tuple[int, float, str]
 
 
 def starts_and_faults(run: JudgedRun) -> Violation | None:
-    """Check that robots start as the spec says, and that its faults strike, and no others.
+    """Check that the starts and faults of robots are those of the spec.
 
-    A robot with a start begins there, to 1e-6 m and rad. One that starts late is switched on at its
-    time. A death strikes at its time, or later if it waits for what its robot does, and then while
-    it does that. Radios fall silent as their silence begins, or the robot is switched on, and work
-    again as it ends, if no other one goes on then. What is due at the end of the run, or at the
-    death of the robot, may have happened or not.
+    A robot with a given start begins there, to 1e-6 m and rad. A robot with a late start is
+    switched on at that time. A death occurs at its time or, if it depends on what the robot is
+    doing, later and while the robot does that. A radio fails when its silence begins, or when the
+    robot is switched on, and works again when the silence ends, unless another one continues.
+    Faults due at the end of the run, or at the death of the robot, may have occurred or not.
 
     Cost: negligible.
     """
@@ -103,7 +103,7 @@ def _silences(run: JudgedRun) -> Iterator[Said]:
 
 
 def _spells(run: JudgedRun, robot: int) -> list[tuple[float, float]]:
-    """Return from when to when the radio of a robot is not to work, by its silences together."""
+    """Return the intervals in which the radio of a robot is to be silent, merged."""
     on_s, _ = run.present_s(robot)
     found: list[tuple[float, float]] = []
     for fault in sorted(
@@ -119,7 +119,7 @@ def _spells(run: JudgedRun, robot: int) -> list[tuple[float, float]]:
 
 
 def _over_s(run: JudgedRun, robot: int) -> float:
-    """Return the time before which what is due to a robot has to happen."""
+    """Return the time before which the faults of a robot that are due must have occurred."""
     return min(run.end_s, run.present_s(robot)[1]) - ROUNDING_S
 
 

@@ -1,4 +1,4 @@
-"""Nobody waits for longer than its limits say."""
+"""No robot waits longer than its limits allow."""
 
 from __future__ import annotations
 
@@ -38,18 +38,17 @@ MOVED_M: Final = 1e-3
 
 
 def waits_within_limits(run: JudgedRun) -> Violation | None:
-    """Check that no team stands for longer than the limits of its waits together, or for ever.
+    """Check that no team stands still for longer than all its waiting times added up.
 
-    A spell is a time in which, of all robots that take part and have not ended, none moves by more
-    than 1e-3 m or rad, notes or learns a node or ends, and no fault strikes, although at least one
-    of them has neither ended nor died. It may be as long as all waits that the strategy's options
-    allow one after the other, half as long again, and 30 s more; each request to give way in it
-    allows for a pause and a question besides, and each goal that is chosen in it for a pause.
-    This holds for robots that wait for a dead one, as these wait for nothing else. Of bidding
-    robots that neither go in pairs or chains nor pursue each other it holds for each robot by
-    itself, whatever the others do; robots of the SRT family wait for the end of others. A run
-    that its stop rule ended as nothing new came is a violation if what is allowed in that time is
-    shorter than it.
+    An idle period is a time in which at least one robot has neither ended nor died, and no active
+    robot moves by more than 1e-3 m or rad, adds or learns a node, or ends, and no fault occurs. It
+    may be 1.5 times as long as all waiting times of the strategy's options added up, plus 30 s,
+    plus a pause and a query for each request to give way in it, and a pause for each goal that is
+    chosen in it. This also holds for robots that wait for a dead one. For bidding robots that do
+    not form pairs or chains and do not pursue each other, it holds for each robot separately,
+    whatever the others do; robots of the SRT family may wait for the end of others. A run that its
+    stop rule ended because nothing new came is a violation if the allowed time is shorter than the
+    time of the stop rule.
 
     Cost: negligible.
     """
@@ -95,7 +94,7 @@ def _violation(
 
 
 def limit(run: JudgedRun) -> float:
-    """Return for how long a team may stand without requests to give way, in seconds."""
+    """Return how long a team may stand still without requests to give way, in seconds."""
     options, radio = run.options, run.recording.spec.radio
     period_s = options["ask_period_s"] + _round_s(run)
     if run.family == "srt":
@@ -134,7 +133,7 @@ def _round_s(run: JudgedRun) -> float:
 
 
 def _tried(run: JudgedRun, team: list[int], begin_s: float, end_s: float) -> float:
-    """Return for how long a team may stand besides for what it tries in a time."""
+    """Return the additional time that a team may stand still because of its attempts."""
     if run.family == "srt":
         return 0.0
     options = run.options
@@ -155,7 +154,7 @@ def _tried(run: JudgedRun, team: list[int], begin_s: float, end_s: float) -> flo
 
 
 def _spells(run: JudgedRun, team: list[int]) -> Iterator[tuple[float, float]]:
-    """Yield the times from one thing that happens to the next, in which a robot waits."""
+    """Yield the intervals between events in which a robot waits."""
     steps = sorted({0.0, *_happenings(run, team)})
     last_s = steps[0]
     for time_s in (*steps[1:], run.end_s):
@@ -192,7 +191,7 @@ def _leads_on(motion: Motion) -> bool:
 
 
 def _not_ended(run: JudgedRun, team: list[int], time_s: float) -> list[int]:
-    """Return the robots that take part after a time, and have not ended by then."""
+    """Return the robots that are active after a time and have not ended by then."""
     ended = {end.robot for end in run.recording.of(Ended) if end.time_s <= time_s}
     found = []
     for robot in team:

@@ -147,7 +147,7 @@ def test_the_spec_of_a_mission_is_printed(call):
         (
             (Violation(invariant="no-error", says="it hurts"),),
             1,
-            "fails otherwise: no-error: it hurts",
+            "fails differently: no-error: it hurts",
         ),
     ],
 )
@@ -185,7 +185,7 @@ def test_every_invariant_is_listed(call):
     assert code == 0
     names = {line.split()[0] for line in out.splitlines() if line.strip()}
     assert names >= {*INVARIANTS, "no-error", "hangs", "equal-digest", "can-be-judged"}
-    assert "Making a run raises no error" in out
+    assert "The run raises no error" in out
     assert "Check that" not in out
     assert "No body touches an obstacle" in out
 

@@ -49,7 +49,7 @@ INSTEAD = {
     "options": "multisrt.experiments.spec.StrategyChoice(name=NAME, options={...}) as strategy",
     **OF_MAP_FILES,
 }
-"""Keywords of `multisrt.explore` that `compare` takes in another form."""
+"""Keywords of `multisrt.explore` that `compare` takes in a different form."""
 
 World = str | Path | Environment | EnvironmentChoice
 
@@ -73,61 +73,61 @@ def compare(
     progress: bool = True,
     **fields: Any,
 ) -> Comparison:
-    """Run strategies against each other and summarise the results.
+    """Compare strategies in simulated runs and summarise the results.
 
-    Conditions are crossed: every strategy with every environment, team, radio and so on. The
-    design is paired: in repetition k all strategies meet the same worlds, starts, faults and
-    draws of the radio. Runs are made by worker processes. A script that defines a strategy itself
-    is imported by them, so that all that it does has to stand under a guard::
+    Conditions are crossed: every strategy is run in every environment, with every team, radio and
+    so on. The design is paired: in repetition k all strategies have the same worlds, starts, faults
+    and random draws of the radio. Runs are executed by worker processes. They import a script that
+    defines a strategy itself, so its other statements must be guarded::
 
         if __name__ == "__main__":
             print(ms.compare("museum", [Mine, "minpos"], seeds=20))
 
-    The short form names the conditions; what is not given has the default of `ExperimentSpec`.
-    The long form takes an `ExperimentSpec` alone, which describes all of them; with it only
-    `workers`, `cluster`, `store`, `remake`, `imports` and `progress` may be given.
+    The short form gives the conditions as arguments; omitted ones have the defaults of
+    `ExperimentSpec`. The long form takes an `ExperimentSpec`, which describes all conditions; only
+    `workers`, `cluster`, `store`, `remake`, `imports` and `progress` may be given as well.
 
     Parameters
     ----------
     environments : str, Path, Environment or EnvironmentChoice, or several; or ExperimentSpec
-        Names in the catalogue, suites or worlds of them ("indoor-30", "indoor-30/07"), map files or
+        Names in the catalogue, suites or their worlds ("indoor-30", "indoor-30/07"), map files or
         environments; or the whole experiment.
     strategies : str, StrategyChoice, Strategy, class or function, or several
         Names of registered strategies, with or without options; or user-defined strategies, as
-        `Strategy.of` takes them or by reference (``"mine.py:Mine"``), which are registered by
-        this and imported by the worker processes. Marks in tables compare the others with the
-        first.
+        accepted by `Strategy.of` or as references (``"mine.py:Mine"``), which are registered here
+        and imported by the worker processes. Marks in tables compare the others with the first.
     robots : int or TeamChoice, or several, optional
         Team sizes, or teams whose robots differ.
     seeds : int or sequence of int, optional
         Number of repetitions, or their consecutive seeds: ``range(1, 21)`` or ``[1, 2]``.
     starts, radios, faults : optional
-        One or several, as in the experiment's file; a number is a radio's range (m).
+        One or several, as in an experiment file; a number is the range of a radio (m).
     name : str, optional
         Title of reports; "Comparison" by default.
     recordings : {"none", "failed", "all"}, optional
         Which recordings are kept beside `store`; "none" by default. An `ExperimentSpec` with its
         default "failed" keeps none if there is no `store`.
     workers : int, optional
-        Number of processes on this machine; one for each core by default. 0: the runs are made in
-        this process, one after another and without limits, also with strategies that are defined
-        in a notebook's cell or looked at by a debugger.
+        Number of processes on this machine; one for each core by default. 0: the runs are executed
+        in this process, one after another and without limits; use it for strategies that are
+        defined in a notebook cell, or for debugging.
     cluster : str, optional
         Address of a `dask.distributed` scheduler to use instead of local processes.
     store : str or Path, optional
-        File in which results are kept: called again, `compare` makes only the runs that are
-        missing, and ``multisrt report`` reads it. By default results are kept in memory alone.
+        File in which results are kept. When `compare` is called again, it executes only the runs
+        that are missing. ``multisrt report`` reads the file. By default results are kept in memory
+        only.
     remake : bool
-        Whether runs in `store` of user-defined strategies that have changed since are made again;
-        otherwise they are an error.
+        Whether runs in `store` are repeated if their user-defined strategy has changed since;
+        otherwise such runs are an error.
     imports : sequence of str
-        Modules or files with further strategies (``"mine.py"``), imported by this process and by
+        Modules or files with more strategies (``"mine.py"``), imported by this process and by the
         workers.
     progress : bool
-        Whether to show the progress: a bar on a terminal and in a notebook, elsewhere a line on
-        standard error every 30 s.
+        Whether to show the progress: as a bar on a terminal and in a notebook, otherwise as a line
+        on standard error every 30 s.
     **fields
-        Further fields of `ExperimentSpec`: `bodies`, `blocks`, `exclude`, `drive`,
+        Other fields of `ExperimentSpec`: `bodies`, `blocks`, `exclude`, `drive`,
         `range_finder`, `base` (also as a pair of coordinates), `stop`, `limits`,
         `success_coverage`, `horizon_s`, `reference`, `about`.
 
@@ -139,9 +139,9 @@ def compare(
     Raises
     ------
     InvalidInputError
-        If a field is wrong, the two forms are mixed, or a run is impossible; the message names
-        the field or the condition. If worker processes cannot import a strategy; the message says
-        what to do.
+        If a field is invalid, the two forms are mixed, or a run is impossible; the message names
+        the field or the condition. Also if worker processes cannot import a strategy; the message
+        states the remedy.
 
     Examples
     --------
@@ -152,7 +152,7 @@ def compare(
     >>> print(found.table("makespan_s"))  # doctest: +ELLIPSIS
     Time until all are done (s)...
 
-    The same from an experiment, as its file would describe it:
+    The same from an `ExperimentSpec`, with the fields of an experiment file:
 
     >>> spec = ms.ExperimentSpec(
     ...     name="Star against Radial",
@@ -224,7 +224,7 @@ class Comparison:
     Attributes
     ----------
     results : Results
-        The runs, in the experiment's order.
+        The runs, in the order of the experiment.
 
     Examples
     --------
@@ -240,7 +240,7 @@ class Comparison:
         self._folder = folder
 
     def overview(self, *, baseline: str | None = None) -> ShownTable:
-        """Return success, coverage, both ends of the exploration and distance in one table.
+        """Return a table of success, coverage, exploration times and distance.
 
         Parameters
         ----------
@@ -372,12 +372,12 @@ class Comparison:
     def frame(self, frame: Literal["polars"]) -> polars.DataFrame: ...
 
     def frame(self, frame: Package | None = None) -> DataFrame:
-        """Return the runs as a data frame, one row for each.
+        """Return the runs as a data frame, one row per run.
 
         Parameters
         ----------
         frame : {"pandas", "polars"}, optional
-            Whose data frame; by default of pandas if it is installed, else of polars.
+            Library of the data frame; by default pandas if it is installed, else polars.
 
         Returns
         -------
@@ -403,7 +403,7 @@ class Comparison:
         return frame_of(self.results, frame)
 
     def __repr__(self) -> str:
-        """Return the overview, and how many runs are a success."""
+        """Return the overview and the number of successful runs."""
         from multisrt.reporting.words import totals
 
         return f"{self.overview()}\n{totals(self.results)}\n"

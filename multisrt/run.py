@@ -41,17 +41,17 @@ from multisrt.spec.keywords import (
 )
 
 INSTEAD = {"stop": "max_time_s=SECONDS"} | OF_MAP_FILES
-"""Arguments of other functions that `explore` takes in another form."""
+"""Arguments of other functions that `explore` takes in a different form."""
 
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
 
 Starts = PlacedHow | Sequence[Sequence[float]]
-"""Start configurations of a team: how to draw them, or one for each robot."""
+"""Start configurations of a team: how they are drawn, or one for each robot."""
 
 
 class RunKeywords(TypedDict, total=False):
-    """The keywords that describe a run; `explore` says what they mean."""
+    """The keywords that describe a run; see `explore`."""
 
     strategy: str | Strategy | Callable[..., Explorer] | None
     seed: int | None
@@ -73,7 +73,7 @@ class RunKeywords(TypedDict, total=False):
 def with_run_keywords(
     function: Callable[_P, _R],
 ) -> Callable[_P, _R]:
-    """Show each of `RunKeywords` in the signature of a function that takes them.
+    """Show all `RunKeywords` in the signature of a function that takes them.
 
     Parameters
     ----------
@@ -112,47 +112,47 @@ def explore(
 
     There are three forms. The short one describes a team of equal robots by keywords; the second
     takes `robots` as a sequence of `RobotSpec`, which may differ; the third takes a `RunSpec`,
-    which describes the whole run. What is not given has the default of the spec that it belongs
+    which describes the whole run. Omitted arguments have the defaults of the specs that they belong
     to: `RunSpec`, `RobotSpec`, `RangeFinderSpec`, `RadioSpec` or `StopRule`.
 
     Parameters
     ----------
     environment : Environment, str, Path or RunSpec
-        The environment, its name in the catalogue, or a map file (an image, whose pixels have no
-        size in metres, by way of `read_environment`); or the spec of the run, with which only
-        `recording_path`, `watch` and `progress` may be given.
+        The environment, its name in the catalogue, or a map file (for an image, whose pixels have
+        no size in metres, use `read_environment`); or the spec of the run, in which case only
+        `recording_path`, `watch` and `progress` may be given as well.
     strategy : str, Strategy, class or function, optional
-        Name of a registered strategy, see `strategies`; or a user-defined one, as `Strategy.of`
-        accepts it or by reference (``"mine.py:Mine"``); it is registered, and replaces a strategy
-        of the same name.
+        Name of a registered strategy, see `strategies`; or a user-defined strategy, as accepted by
+        `Strategy.of` or as a reference (``"mine.py:Mine"``), which is registered and replaces a
+        strategy of the same name.
     seed : int, optional
         Seed of all random streams of the run.
     options : mapping, optional
         Options of the strategy that differ from its defaults.
     robots : int or sequence of RobotSpec, optional
-        Number of equal robots, or one spec for each robot. By default one robot, or as many as
-        `starts` has configurations.
+        Number of equal robots, or one spec for each robot. By default one robot, or one for each
+        configuration in `starts`.
     start : (x, y) or (x, y, heading), optional
         Start configuration (m, rad) of a single robot.
     starts : {"scattered", "clustered", "random", "suggested"} or sequence, optional
-        How the start configurations of a team are drawn, far apart, close together, or each
-        uniformly where the body has room; or the suggested starts of the environment; or one
-        configuration (m, rad) for each robot.
+        How the start configurations of a team are drawn: far apart, close together, or each
+        uniformly among the places with enough room for the body; or the suggested starts of the
+        environment; or one configuration (m, rad) for each robot.
     footprint : str, optional
         Body of every robot, in the notation of `Footprint.parse`.
     range_m : float, optional
         Range of every range finder (m).
     beams : int, optional
-        Number of beams of every range finder; by default it returns the exact visibility
-        polygon.
+        Number of beams of every range finder; by default range finders return the exact
+        visibility polygon.
     drive : DriveSpec, optional
         Kinematics and speed of every robot.
     radio_range_m : float, optional
-        Range of the radio (m), all else as in `RadioSpec`.
+        Range of the radio (m); other properties have the defaults of `RadioSpec`.
     radio : RadioSpec, optional
         The complete description of the radio, instead of `radio_range_m`.
     base : (x, y) or BaseSpec, optional
-        Base station (m), which robots reach by radio; measures tell what it knows.
+        Base station (m), which robots reach by radio; measures report what has been delivered.
     faults : sequence of Death, Silence or LateStart, optional
         Faults of robots during the run.
     max_time_s : float, optional
@@ -162,8 +162,8 @@ def explore(
     watch : callable, optional
         Called with every event as it happens.
     progress : bool
-        Whether to show the simulated time and the share that was seen, on one line; on a terminal
-        or in a notebook only.
+        Whether to show the simulated time and the share of the area seen so far, on one line; only
+        on a terminal or in a notebook.
 
     Returns
     -------
@@ -173,7 +173,7 @@ def explore(
     Raises
     ------
     InvalidInputError
-        If the arguments contradict each other or describe a run that is impossible.
+        If the arguments contradict each other or describe an impossible run.
 
     Examples
     --------
@@ -194,7 +194,7 @@ def explore(
     >>> [robot.footprint for robot in mixed.spec.robots]
     ['disc:0.25', 'box:0.6x0.4']
 
-    A team with a base station, and the share of the map that it knows in the end:
+    A team with a base station, and the share of the map that the base station finally knows:
 
     >>> run = ms.explore("open", robots=2, radio_range_m=15.0, base=(5.0, 5.0))
     >>> 0.0 < run.metrics.delivered_coverage <= run.metrics.coverage
@@ -223,7 +223,7 @@ def spec_and_world(
     environment : Environment, str, Path or RunSpec
         As for `explore`.
     keywords : mapping
-        Those of `RunKeywords` that are given; None is as if it were not.
+        The given `RunKeywords`; None stands for an omitted one.
 
     Raises
     ------

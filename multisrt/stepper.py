@@ -30,7 +30,7 @@ from multisrt.spec import RunSpec
 from multisrt.spec.keywords import refuse_unknown
 
 NEWS: Final = (NodeAdded, Learned, MapComplete, ArcClosed, ArcReopened, PresumedLost)
-"""Events that explorers note and that tell what they know, not what they decide."""
+"""Events that explorers record about their knowledge, not about their decisions."""
 
 DECISIONS: Final = tuple(kind for kind in get_args(NotedEvent) if kind not in NEWS)
 """Events that record a decision of an explorer."""
@@ -43,8 +43,8 @@ CONDITIONS: Final = ("time_s", "robot", "action", "decision", "where")
 class Stepper(Iterator[Step]):
     """A run that is stepped through, one action of one robot at a time.
 
-    It pauses after an explorer has yielded an action and before that is carried out. A run that
-    is stepped through is the same to the byte as the run as a whole.
+    It pauses after an explorer has yielded an action and before the action is executed. The
+    recording is the same, byte for byte, as that of a run without pauses.
 
     Parameters
     ----------
@@ -63,9 +63,9 @@ class Stepper(Iterator[Step]):
     Raises
     ------
     InvalidInputError
-        If the arguments contradict each other or describe a run that is impossible.
+        If the arguments contradict each other or describe an impossible run.
     ExplorerDefect
-        From a step: if an explorer has yielded something that it cannot do.
+        During a step, if an explorer has yielded an impossible action.
 
     Examples
     --------
@@ -113,7 +113,7 @@ class Stepper(Iterator[Step]):
     ) -> None:
         self.close()
 
-    # Going on ----------------------------------------------------------------------------
+    # Advancing ---------------------------------------------------------------------------
 
     def until(
         self,
@@ -124,20 +124,21 @@ class Stepper(Iterator[Step]):
         decision: bool | type[Event] = False,
         where: Callable[[Step], bool] | None = None,
     ) -> Iterator[Step]:
-        """Iterate over steps up to the first one that meets all conditions, that one included.
+        """Iterate over steps up to and including the first one that meets all conditions.
 
         Parameters
         ----------
         time_s : float, optional
-            It is at this time (s) or later.
+            The step occurs at this time (s) or later.
         robot : int, optional
-            It is a step of this robot.
+            The step belongs to this robot.
         action : type, optional
-            Its action is of this class of `multisrt.robots.explorer`.
+            The action is an instance of this class of `multisrt.robots.explorer`.
         decision : bool or type, optional
-            Its action notes a decision; a class of `multisrt.events`: notes such an event.
+            True: the action records a decision. A class of `multisrt.events`: the action records
+            such an event.
         where : callable, optional
-            Takes the step; its result is true.
+            Takes the step and returns whether it meets the condition.
 
         Yields
         ------
@@ -146,7 +147,7 @@ class Stepper(Iterator[Step]):
         Raises
         ------
         InvalidInputError
-            If there is no such robot, or a condition is of another type.
+            If there is no such robot, or a condition has the wrong type.
 
         Examples
         --------
@@ -194,23 +195,23 @@ class Stepper(Iterator[Step]):
                 return
 
     def run_until(self, **conditions: Any) -> Step | None:
-        """Step on to the first step that meets all conditions, and return it.
+        """Advance to the first step that meets all conditions, and return it.
 
         Parameters
         ----------
         **conditions
-            The parameters of `until`. Without any, it is the next step.
+            The parameters of `until`. Without conditions, the next step is returned.
 
         Returns
         -------
         Step or None
-            The step; None if the run has ended before, or had ended already: `finish` returns
-            the run, and `steps` has the last step.
+            The step; None if the run ends before such a step, or has already ended. `finish` then
+            returns the run, and `steps` ends with the last step.
 
         Raises
         ------
         InvalidInputError
-            As `until`; or if there is no such condition.
+            As for `until`; also if there is no such condition.
 
         Examples
         --------
@@ -229,7 +230,7 @@ class Stepper(Iterator[Step]):
         return None if self.is_over else last
 
     def finish(self) -> Run:
-        """Make the rest of the run, and return all of it.
+        """Execute the rest of the run and return the whole run.
 
         Raises
         ------
@@ -246,10 +247,10 @@ class Stepper(Iterator[Step]):
         return Run(self.recording, self.environment)
 
     def close(self) -> None:
-        """Give up the run. What has happened can still be read."""
+        """Abandon the run. Its recording so far can still be read."""
         self._stepping.close()
 
-    # Looking -----------------------------------------------------------------------------
+    # Inspecting --------------------------------------------------------------------------
 
     @property
     def spec(self) -> RunSpec:
@@ -258,22 +259,22 @@ class Stepper(Iterator[Step]):
 
     @property
     def explorers(self) -> tuple[Explorer, ...]:
-        """The explorers, by robot: the objects themselves."""
+        """The explorer objects, by robot."""
         return self._stepping.explorers
 
     @property
     def robots(self) -> tuple[RobotState, ...]:
-        """The true state of each robot now."""
+        """The present true state of each robot."""
         return self._stepping.robots
 
     @property
     def time_s(self) -> float:
-        """The time in seconds: now, or when the run ended."""
+        """The present time, or the end of the run, in seconds."""
         return self._stepping.time_s
 
     @property
     def messages_in_flight(self) -> int:
-        """How many messages are on their way."""
+        """Number of messages in flight."""
         return self._stepping.messages_in_flight
 
     @property
@@ -283,7 +284,7 @@ class Stepper(Iterator[Step]):
 
     @property
     def recording(self) -> Recording:
-        """All that has happened so far, as a recording that can be measured and drawn.
+        """The recording of the run so far, which can be measured and drawn.
 
         Until the run has ended, its outcome is `out_of_time`.
         """
@@ -304,14 +305,14 @@ class Stepper(Iterator[Step]):
         return [step for step in self.steps if step.robot == robot]
 
     def where(self, robot: int) -> str:
-        """Return where the explorer of a robot stands in its code, for a breakpoint.
+        """Return the lines at which the explorer of a robot is paused, for a breakpoint.
 
         Returns
         -------
         str
             A line ``file:line in function`` for `run` and for each generator to which it
-            delegates, the innermost last; empty before it has begun and after the run. Files in
-            the working directory are named from there.
+            delegates, the innermost last; empty before the explorer has started and after the run.
+            Paths of files in the working directory are relative to it.
 
         Examples
         --------
@@ -328,7 +329,7 @@ class Stepper(Iterator[Step]):
         )
 
     def variables(self, robot: int) -> dict[str, Any]:
-        """Return the local variables of the explorer of a robot where it stands in its code."""
+        """Return the local variables at the line at which the explorer of a robot is paused."""
         self._require(robot)
         frames = self._stepping.frames(robot)
         return dict(frames[-1].f_locals) if frames else {}
@@ -339,15 +340,14 @@ class Stepper(Iterator[Step]):
         Returns
         -------
         str
-            The true world, what has been seen, trees, bodies, the motions that robots are on, and
-            the goals of these.
+            The true world, the area seen so far, trees, bodies, current motions and their goals.
         """
         from multisrt.drawing.state_svg import state_svg
 
         return state_svg(self.recording, self.robots)
 
     def save_svg(self, path: str | Path) -> None:
-        """Write the picture of the present state to a file, completely or not at all."""
+        """Write the picture of the present state to a file; written completely or not at all."""
         text = self.draw()
         with atomic_write(Path(path)) as file:
             file.write(text.encode())

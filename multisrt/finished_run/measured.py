@@ -1,4 +1,4 @@
-"""What a finished run measured: its outcome, metrics and tables."""
+"""The outcome, metrics and tables of a finished run."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class MeasuredRun:
 
     @property
     def reason(self) -> str:
-        """Why the run ended, in words."""
+        """Why the run ended, as text."""
         return self.recording.footer.reason
 
     @property
@@ -59,7 +59,7 @@ class MeasuredRun:
     def trajectories(self, frame: Literal["polars"]) -> polars.DataFrame: ...
 
     def trajectories(self, frame: Package | None = None) -> DataFrame:
-        """Return where every robot was, as a data frame with a row for each waypoint.
+        """Return the trajectories of all robots, as a data frame with one row per waypoint.
 
         Parameters
         ----------
@@ -96,7 +96,7 @@ class MeasuredRun:
     def coverage_curve(self, frame: Literal["polars"]) -> polars.DataFrame: ...
 
     def coverage_curve(self, frame: Package | None = None) -> DataFrame:
-        """Return what the team had covered and seen, as a data frame with a row for each change.
+        """Return the area covered and seen over time, as a data frame with one row per change.
 
         Parameters and errors are those of `trajectories`.
 
@@ -122,7 +122,7 @@ class MeasuredRun:
     def events(self, frame: Literal["polars"]) -> polars.DataFrame: ...
 
     def events(self, frame: Package | None = None) -> DataFrame:
-        """Return all that happened, as a data frame with a row for each event.
+        """Return all events, as a data frame with one row per event.
 
         Parameters and errors are those of `trajectories`.
 

@@ -19,13 +19,13 @@ class PicturedRun(MeasuredRun):
     """A run with its pictures; see `Run`."""
 
     def plot(self, ax: Axes | None = None, *, without: Iterable[str] = ()) -> Axes:
-        """Draw the run on axes of matplotlib: the same as in its SVG picture, in the same colours.
+        """Draw the run on matplotlib axes, with the content and colours of its SVG picture.
 
         Parameters
         ----------
         ax : matplotlib.axes.Axes, optional
-            Where to draw; their aspect becomes equal, and labels that they have already are kept.
-            By default a new figure of pyplot, with title and legend.
+            Axes to draw on; their aspect is set to equal, and existing labels are kept. By default
+            a new pyplot figure, with title and legend.
         without : iterable of str, optional
             Layers to leave out; see `save_svg`.
 
@@ -52,13 +52,13 @@ class PicturedRun(MeasuredRun):
         return plot_run(self.recording, ax, without=without)
 
     def plot_coverage(self, ax: Axes | None = None, **line: Any) -> Axes:
-        """Draw the share of the explorable area that the team had covered, against time.
+        """Draw the covered share of the explorable area against time.
 
         Parameters
         ----------
         ax : matplotlib.axes.Axes, optional
-            Where to draw, so that several runs can be compared; by default a new figure of
-            pyplot. Labels and limits that the axes have already are kept.
+            Axes to draw on, to compare several runs; by default a new pyplot figure. Existing
+            labels and limits are kept.
         **line
             Properties of the line, such as `color`; its label is the strategy by default.
 
@@ -151,23 +151,23 @@ class PicturedRun(MeasuredRun):
         size: int | tuple[int, int] | None = None,
         without: Collection[str] = (),
     ) -> None:
-        """Write an animation of the run, as MP4, GIF, or SVG that moves by itself.
+        """Write an animation of the run as MP4, GIF or animated SVG.
 
         Parameters
         ----------
         path : str or Path
             The file, ``.mp4``, ``.gif`` or ``.svg``; it is written completely or not at all.
         duration_s : float, optional
-            Time that the animation takes for the run, from 0.5 to 600 seconds; the last picture
-            stays for another two. By default 24 s, or as long as the run if that is shorter.
+            Duration of the animation, from 0.5 to 600 seconds; the last picture is shown for
+            another two. By default 24 s, or the duration of the run if that is shorter.
         speed : float, optional
-            How many times as fast as the robots it is, instead of a duration.
+            Factor by which it is faster than the robots, instead of a duration.
         fps : float, optional
-            Pictures a second, from 1 to 60; 25 by default, 10 in a GIF. In SVG robots move
-            smoothly, and all else appears in steps, 5 a second by default.
+            Frames per second, from 1 to 60; by default 25, and 10 in a GIF. In SVG, robots move
+            smoothly and everything else is updated in steps, 5 per second by default.
         size : int or (int, int), optional
-            Width in pixels, or width and height; by default a width of 1280, of 720 for GIF and of
-            960 for SVG.
+            Width in pixels, or width and height; by default the width is 1280, 720 for GIF, and 960
+            for SVG.
         without : collection of str, optional
             Layers to leave out: ``areas``, ``paths``, ``edges``, ``nodes``, ``goals``, ``bodies``,
             ``caption``.
@@ -177,7 +177,7 @@ class PicturedRun(MeasuredRun):
         InvalidInputError
             If an argument is out of range, or the file cannot be written.
         MissingExtraError
-            If an MP4 or GIF is to be written and imageio-ffmpeg is not installed
+            If imageio-ffmpeg is not installed and an MP4 or GIF is requested
             (``multisrt[animation]``).
         EncodingError
             If ffmpeg fails.
@@ -202,7 +202,7 @@ class PicturedRun(MeasuredRun):
         )
 
     def replay(self, path: str | Path) -> None:
-        """Write a page that replays the run in a browser, without network or server.
+        """Write a page that replays the run in a browser and needs no network or server.
 
         Parameters
         ----------
@@ -212,7 +212,7 @@ class PicturedRun(MeasuredRun):
         Raises
         ------
         InvalidInputError
-            If the file cannot be written, or would be larger.
+            If the file cannot be written, or would exceed this size.
 
         See Also
         --------
@@ -240,14 +240,14 @@ class PicturedRun(MeasuredRun):
         Parameters
         ----------
         kind : str
-            Which figure: `map`, `maps`, `trajectories`, `coverage`, `activity`, `visits`,
+            Kind of figure: `map`, `maps`, `trajectories`, `coverage`, `activity`, `visits`,
             `isolation` or `decisions`.
         path : str or Path
             The file: ``.pdf``, ``.svg`` or ``.png``. It is written completely or not at all.
         style : {"ieee", "ieee-wide", "springer", "springer-wide", "screen"}, optional
             Width and font of the figure.
         options : FigureOptions, optional
-            Times, robots and the like, for kinds that depend on them; see
+            Options such as times and robots, for kinds that depend on them; see
             `multisrt.drawing.figures`.
 
         Raises

@@ -23,11 +23,11 @@ RUN_NAME = "run.json"
 TREE_NAME = "tree.svg"
 SPEC_NAME = "spec.toml"
 RUN_FILES = (TREE_NAME, RUN_NAME, SPEC_NAME, RECORDING_NAME)
-"""Files of a run that was saved, in the order in which they are listed."""
+"""Files of a saved run, in the order in which they are listed."""
 
 
 class Run(PicturedRun):
-    """A finished run: its recording and the environment it took place in.
+    """A finished run: its recording and its environment.
 
     Parameters
     ----------
@@ -58,20 +58,19 @@ class Run(PicturedRun):
     """
 
     def why(self, robot: int, time_s: float | None = None) -> Text:
-        """Explain in words what a robot knew and decided.
+        """Explain what a robot knew and decided.
 
         Parameters
         ----------
         robot : int
             Index of the robot, from 0.
         time_s : float, optional
-            Time (s); the last decision up to this time is explained. By default the end of the
-            run.
+            Time (s); the last decision up to this time is explained. By default the end of the run.
 
         Returns
         -------
         Text
-            The explanation, of several lines: a str that shows itself as it reads.
+            The explanation, in several lines: a str that is displayed without quotes.
 
         Raises
         ------
@@ -90,7 +89,7 @@ class Run(PicturedRun):
         return Text(explain(self.recording, robot, time_s))
 
     def save_recording(self, path: str | Path) -> None:
-        """Write the recording, one JSON object a line.
+        """Write the recording, one JSON object per line.
 
         Parameters
         ----------
@@ -115,7 +114,7 @@ class Run(PicturedRun):
     def save_spec(self, path: str | Path) -> None:
         """Write the spec as TOML, from which the run can be repeated.
 
-        Of a world from a file it has the digest, so that a file that has changed is noticed.
+        For a world from a file it contains the digest, so that changes of the file are detected.
 
         Parameters
         ----------
@@ -174,7 +173,7 @@ class Run(PicturedRun):
             file.write(text + b"\n")
 
     def export(self, path: str | Path, options: ExportOptions | None = None) -> None:
-        """Write the run as a file that Foxglove, ROS 2 or rerun show.
+        """Write the run as a file for Foxglove, ROS 2 or rerun.
 
         Parameters
         ----------
@@ -182,15 +181,15 @@ class Run(PicturedRun):
             The file: ``.mcap`` for Foxglove and ROS 2, ``.rrd`` for rerun. It is written
             completely or not at all.
         options : ExportOptions, optional
-            How densely the run is sampled: poses a second, time between maps, width of cells.
+            Sampling of the run: poses per second, time between maps, cell width.
 
         Raises
         ------
         InvalidInputError
-            If the suffix is another, the file cannot be written, or there would be too many poses
-            or cells.
+            If the suffix is not supported, the file cannot be written, or there would be too many
+            poses or cells.
         MissingExtraError
-            If a package is not installed that the format needs (``multisrt[mcap]``,
+            If a package that the format needs is not installed (``multisrt[mcap]``,
             ``multisrt[rerun]``).
 
         Examples
@@ -204,24 +203,24 @@ class Run(PicturedRun):
         export_run(self.recording, path, options=options, environment=self.environment)
 
     def known_map(self, *, robot: int | None = None, time_s: float | None = None) -> Environment:
-        """Return the free space that a robot, or the team, knew at some time.
+        """Return the free space that a robot or the team knew at a given time.
 
         Parameters
         ----------
         robot : int, optional
-            The robot, from 0; by default what all robots knew together.
+            The robot, from 0; by default the combined knowledge of all robots.
         time_s : float, optional
             The time in seconds; by default the end of the run.
 
         Returns
         -------
         Environment
-            The known free space, with those starts of robots that lie in it.
+            The known free space, with the starts of robots that lie in it.
 
         Raises
         ------
         InvalidInputError
-            If there is no such robot or time, or nothing was known then.
+            If there is no such robot or time, or nothing was known at that time.
 
         Examples
         --------
@@ -244,7 +243,7 @@ class Run(PicturedRun):
         without: Iterable[str] = (),
         overwrite: bool = False,
     ) -> None:
-        """Write what a robot, or the team, knew of the world at some time as a map file.
+        """Write the map that a robot or the team had at a given time to a file.
 
         Parameters
         ----------
@@ -254,17 +253,17 @@ class Run(PicturedRun):
         robot, time_s
             As for `known_map`.
         options : MapOptions, optional
-            Width of a pixel; height and thickness of walls.
+            Pixel width; height and thickness of walls.
         without : iterable of {"edges", "paths"}, optional
-            Lines that solids do not show: edges of trees, or paths of robots.
+            Lines to omit from solids: edges of trees, or paths of robots.
         overwrite : bool, optional
-            Whether a file that exists is replaced.
+            Whether an existing file is replaced.
 
         Raises
         ------
         InvalidInputError
-            If the suffix is another, there is no such robot or time, nothing was known then, or
-            the file exists and is not to be replaced, or cannot be written.
+            If the suffix is not supported, there is no such robot or time, nothing was known at
+            that time, the file exists and `overwrite` is false, or it cannot be written.
 
         Examples
         --------
@@ -304,13 +303,13 @@ class Run(PicturedRun):
         robot, time_s
             As for `known_map`.
         overwrite : bool, optional
-            Whether a file that exists is replaced.
+            Whether an existing file is replaced.
 
         Raises
         ------
         InvalidInputError
-            If the suffix is another, there is no such robot or time, no node was made until then,
-            or the file exists and is not to be replaced, or cannot be written.
+            If the suffix is not supported, there is no such robot or time, no node existed at that
+            time, the file exists and `overwrite` is false, or it cannot be written.
 
         Examples
         --------
@@ -329,20 +328,20 @@ class Run(PicturedRun):
         rate_hz: float | None = None,
         overwrite: bool = False,
     ) -> list[Path]:
-        """Write where the robots were; see `multisrt.exporting.save_trajectories`.
+        """Write the trajectories of robots; see `multisrt.exporting.save_trajectories`.
 
         Parameters
         ----------
         path : str or Path
             The file: ``.csv``, ``.json``, or ``.tum`` or ``.txt`` in the format of the TUM RGB-D
-            benchmark, of which each robot has a file of its own.
+            benchmark, with one file per robot.
         robot : int, optional
             The robot, from 0; by default all.
         rate_hz : float, optional
-            Poses per second of a robot that moves, besides its waypoints; by default waypoints
-            only.
+            Poses per second while a robot moves, in addition to its waypoints; by default only
+            waypoints.
         overwrite : bool, optional
-            Whether files that exist are replaced.
+            Whether existing files are replaced.
 
         Returns
         -------
@@ -352,8 +351,8 @@ class Run(PicturedRun):
         Raises
         ------
         InvalidInputError
-            If the suffix is another, there is no such robot, the rate is out of range, or a file
-            exists and is not to be replaced, or cannot be written.
+            If the suffix is not supported, there is no such robot, the rate is out of range, a file
+            exists and `overwrite` is false, or it cannot be written.
 
         Examples
         --------

@@ -1,7 +1,7 @@
-"""The contract of an explorer: a plain object that receives outcomes and yields actions.
+"""The contract of an explorer: an object that yields actions and receives their outcomes.
 
-An explorer decides for one robot. Its method `run` is a generator that yields actions and is sent
-back their outcomes, as if it commanded a robot and read the answers:
+An explorer makes the decisions of one robot. Its method `run` is a generator that yields actions
+and receives their outcomes as the values of the yield expressions:
 
 >>> class OneScan:
 ...     '''Takes one scan, and ends.'''
@@ -13,9 +13,9 @@ back their outcomes, as if it commanded a robot and read the answers:
 ...         scan = yield Sense()
 ...         yield Done(complete=False, reason=f"has looked around at {scan.time_s} s")
 
-It does no input or output, reads no clock but the times in these outcomes, and cannot reach the
-world: it knows its scans, its messages and its own configuration, and nothing else. So the same
-explorer can be driven by the simulation, by hand in a test, or by the driver of a real robot.
+An explorer does no input or output, knows the time only from these outcomes, and has no access to
+the world: it knows only its scans, its messages and its own configuration. The same explorer can
+therefore be run by the simulation, step by step in a test, or by the driver of a real robot.
 
 =========  ==========================================  =========================================
 action     effect                                      outcome that is sent back
@@ -23,18 +23,18 @@ action     effect                                      outcome that is sent back
 `Sense`    the range finder takes a scan               `Scan`
 `Look`     bodies of other robots are detected         tuple of `Sighting`
 `Move`     the body follows a trajectory               `Moved`; while listening, or `Received`
-`Stop`     the present motion ends here and now        `Moved`
+`Stop`     the present motion ends immediately         `Moved`
 `Send`     a message goes out by radio                 None
 `Receive`  waits for messages, or for a motion's end   `Received`, `Moved` or `TimedOut`
 `Note`     an event is recorded                        None
 `Done`     the robot stays where it is                 nothing; on call, `Received`
 =========  ==========================================  =========================================
 
-Time passes in `Move` and `Receive` only. Lengths are in metres, times in seconds since the run
+Time passes only in `Move` and `Receive`. Lengths are in metres, times in seconds since the run
 began, angles in radians counter-clockwise from the x axis; all robots share one frame.
 
-To make an explorer a strategy, give its class, or a function that builds it, to a `Strategy` with
-a frozen structure of options. This one drives back and forth, as a complete example:
+A `Strategy` is made from the class of an explorer, or a function that builds one, and a frozen
+structure of options. A complete example, which drives back and forth:
 
 >>> import msgspec
 >>> import multisrt as ms
@@ -75,8 +75,8 @@ a frozen structure of options. This one drives back and forth, as a complete exa
 ...     explorer=BackAndForth,
 ... )
 
-`check_explorer` runs a strategy and says what is wrong with it; `ms.register` makes it known by
-its name to `ms.explore`, to experiments and to the command line. A test drives it by hand:
+`check_explorer` runs a strategy and reports its first defect; `ms.register` makes it available by
+name to `ms.explore`, to experiments and to the command line. A test can run it step by step:
 
 >>> import numpy as np
 >>> from multisrt.geometry.bodies.footprint import Footprint
@@ -139,7 +139,7 @@ __all__ = [
 
 
 class Sense(msgspec.Struct, frozen=True):
-    """Take a scan from the current configuration, also during a motion; answered by `Scan`.
+    """Take a scan from the current configuration, also during a motion; the outcome is a `Scan`.
 
     Examples
     --------
@@ -152,9 +152,9 @@ class Sense(msgspec.Struct, frozen=True):
 
 
 class Look(msgspec.Struct, frozen=True):
-    """Detect the bodies of other robots in sight and within sensing range.
+    """Detect the visible bodies of other robots within sensing range.
 
-    Answered by a tuple of `Sighting`, empty if there are none.
+    The outcome is a tuple of `Sighting`, empty if there are none.
 
     Examples
     --------
@@ -171,7 +171,7 @@ class Look(msgspec.Struct, frozen=True):
 class Move(msgspec.Struct, frozen=True, kw_only=True):
     """Follow a trajectory.
 
-    Answered by `Moved` when the motion ends.
+    The outcome is `Moved`, when the motion ends.
 
     Attributes
     ----------
@@ -180,15 +180,15 @@ class Move(msgspec.Struct, frozen=True, kw_only=True):
     purpose : Purpose
         Why the robot moves, for the record.
     guard_m : float or None
-        Guard distance of the protective stop in metres: the motion ends where another body in
-        sight would come nearer than this. A body that is nearer already when the motion begins
-        stops it where the distance would fall below half of that, or below a quarter of the
-        guard distance; one that is nearer than that quarter, where the distance would fall at
-        all. None: no protective stop.
+        Guard distance of the protective stop in metres: the motion ends before the distance to
+        another visible body falls below this value. If a body is closer already when the motion
+        begins, the motion ends before that distance is halved or falls below a quarter of the guard
+        distance; if it is closer than this quarter, before the distance decreases at all. None: no
+        protective stop.
     listen : bool
-        Whether messages are delivered during the motion: `Received` is sent back when one comes
-        that wakes (see `Message.wakes`), and the motion continues; `Receive` then waits for what
-        comes next, and is finally answered by `Moved`.
+        Whether messages are delivered during the motion: the outcome is `Received` when a message
+        arrives that wakes (see `Message.wakes`), and the motion continues. `Receive` then waits for
+        the next message, and its last outcome is `Moved`.
 
     Examples
     --------
@@ -206,7 +206,7 @@ class Move(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Stop(msgspec.Struct, frozen=True):
-    """End the present motion; answered by `Moved`.
+    """End the present motion; the outcome is `Moved`.
 
     Examples
     --------
@@ -226,7 +226,7 @@ class Send(msgspec.Struct, frozen=True):
     message : Message
         The message.
     to : int or None
-        Number of the robot that it is for; None: all that the radio reaches.
+        Number of the receiving robot; None: all robots that the radio reaches.
 
     Examples
     --------
@@ -243,14 +243,14 @@ class Send(msgspec.Struct, frozen=True):
 class Receive(msgspec.Struct, frozen=True):
     """Wait for messages, or for the end of the present motion.
 
-    Answered by `Received`, by `Moved` if a motion ended, or by `TimedOut`.
+    The outcome is `Received`, `Moved` if a motion ended, or `TimedOut`.
 
     Attributes
     ----------
     timeout_s : float or None
-        Maximum time to wait; 0: until nothing more comes at this moment; None: no limit. During
-        a motion only messages that wake end the waiting; the others are received when the motion
-        is over.
+        Maximum time to wait in seconds; 0: only messages that arrive at the present time; None: no
+        limit. During a motion, only messages that wake end the waiting; the others are received
+        when the motion has ended.
 
     Examples
     --------
@@ -267,10 +267,10 @@ class Receive(msgspec.Struct, frozen=True):
 
 
 class Note(msgspec.Struct, frozen=True):
-    """Record an event. It takes no time.
+    """Record an event; this takes no time.
 
-    It changes nothing, except that a fault may strike at it: a robot whose `multisrt.Death` has
-    ``when="master"`` dies as it records `Organized`.
+    It has no effect on the run, except that it may trigger a fault: a robot whose `multisrt.Death`
+    has ``when="master"`` dies when it records `Organized`.
 
     Attributes
     ----------
@@ -288,20 +288,20 @@ class Note(msgspec.Struct, frozen=True):
 
 
 class Done(msgspec.Struct, frozen=True):
-    """End: the robot stays where it is.
+    """End the exploration; the robot stays where it is.
 
     Attributes
     ----------
     complete : bool
-        Whether it has explored all that it knew how to explore.
+        Whether it has explored everything that it could.
     reason : str
-        Why it ended, in words.
+        Why it ended, as text.
     frontier : tuple of (x0, y0, x1, y1)
         Frontier segments that it leaves open, in metres.
     on_call : bool
-        Whether messages are still delivered: `Received` is sent back when one comes, and the
+        Whether messages are still delivered: the outcome is `Received` when one arrives, and the
         robot may act until it yields `Done` again. The run ends when all robots are done and no
-        message is on its way.
+        message is in flight.
 
     Examples
     --------
@@ -319,12 +319,12 @@ class Done(msgspec.Struct, frozen=True):
 
 
 class Sighting(msgspec.Struct, frozen=True, kw_only=True):
-    """The body of another robot, as the range finder sees it.
+    """The body of another robot, as detected by the range finder.
 
     Attributes
     ----------
     robot : int
-        Number of that robot; robots can be told apart.
+        Number of that robot; robots can be identified.
     configuration : Configuration
         Its configuration.
     footprint : Footprint
@@ -353,8 +353,7 @@ class Moved(msgspec.Struct, frozen=True, kw_only=True):
     time_s : float
         When it ended.
     blocked_by : Sighting or None
-        The body before which the protective stop ended it; None if it was completed, or ended
-        by `Stop`.
+        The body that caused a protective stop; None if the motion was completed or ended by `Stop`.
 
     Examples
     --------
@@ -369,14 +368,14 @@ class Moved(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Received(msgspec.Struct, frozen=True):
-    """Messages that came, in the order in which they came.
+    """Received messages, in the order of their arrival.
 
     Attributes
     ----------
     messages : tuple of Message
         At least one.
     time_s : float
-        When the last of them came.
+        Time at which the last of them arrived.
 
     Examples
     --------
@@ -389,12 +388,12 @@ class Received(msgspec.Struct, frozen=True):
 
 
 class TimedOut(msgspec.Struct, frozen=True):
-    """Nothing came in the time that `Receive` allowed.
+    """No message arrived within the time limit of `Receive`.
 
     Attributes
     ----------
     time_s : float
-        The time now.
+        The present time.
     """
 
     time_s: float
@@ -403,7 +402,7 @@ class TimedOut(msgspec.Struct, frozen=True):
 Action = Sense | Look | Move | Stop | Send | Receive | Note | Done
 Outcome = Scan | tuple[Sighting, ...] | Moved | Received | TimedOut | None
 Steps = Generator[Action, Outcome, None]
-"""What `Explorer.run` returns, and what procedures return to which it delegates by yield from."""
+"""Type of the generators of `Explorer.run` and of procedures called with ``yield from``."""
 
 
 class Explorer(Protocol):
@@ -419,14 +418,14 @@ class Explorer(Protocol):
     """
 
     def run(self) -> Steps:
-        """Yield actions and be sent their outcomes.
+        """Yield actions and receive their outcomes.
 
-        The last action is `Done`. A generator that returns without it, or raises, is an error of
-        the explorer; `multisrt.testing.check_explorer` finds most of them.
+        The last action is `Done`. It is an error of the explorer if the generator returns without
+        it or raises an exception; `multisrt.testing.check_explorer` finds most such errors.
 
         Returns
         -------
         generator
-            Yields the robot's actions, and is sent the outcome of each.
+            Yields the robot's actions and receives the outcome of each.
         """
         ...

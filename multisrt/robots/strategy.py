@@ -27,12 +27,12 @@ if TYPE_CHECKING:
     Plan = Callable[
         [RunSpec, Any, Sequence[Configuration], Callable[[float], None] | None], Sequence[object]
     ]
-    """Plans a run on the truth; its second parameter is the environment, which robots do not
+    """Plans a run on the true map; its second parameter is the environment, which robots do not
     know."""
 
 
 MAX_OPTIONS = 8
-"""How many options the message names that refuses an unknown one."""
+"""Maximum number of options named in the message about an unknown one."""
 
 
 class NoOptions(msgspec.Struct, frozen=True, kw_only=True):
@@ -41,14 +41,14 @@ class NoOptions(msgspec.Struct, frozen=True, kw_only=True):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Strategy:
-    """A strategy of exploration: a named factory of explorers.
+    """An exploration strategy: a named factory of explorers.
 
     See `multisrt.robots.explorer` for a complete example.
 
     Attributes
     ----------
     name : str
-        Its name in specs and on the command line: lower-case letters and digits, and hyphens.
+        Its name in specs and on the command line: lower-case letters, digits and hyphens.
     summary : str
         One line for lists.
     options : type
@@ -56,16 +56,16 @@ class Strategy:
     explorer : callable
         Builds the `Explorer` of one robot from its `RobotSelf` and the options.
     fits : callable or None
-        Takes a `RunSpec`, and raises `InvalidInputError` if the strategy cannot make that run.
+        Takes a `RunSpec`, and raises `InvalidInputError` if the strategy cannot execute it.
     plan : callable or None
-        For a strategy that sees the truth: takes the `RunSpec`, the environment, the starts and
-        a callable that receives its progress or None; returns for each robot what its
-        `RobotSelf.orders` are to be. None: robots know what they sense and hear.
+        For a strategy that knows the true map: takes the `RunSpec`, the environment, the starts and
+        a callable that receives its progress or None; returns the `RobotSelf.orders` of each robot.
+        None: robots know only what they sense and receive.
 
     Raises
     ------
     InvalidInputError
-        If a field cannot be used; the message says which, and what to give.
+        If a field is invalid; the message names it and states what to give.
 
     Examples
     --------
@@ -104,26 +104,26 @@ class Strategy:
         summary: str | None = None,
         options: type[msgspec.Struct] | None = None,
     ) -> Strategy:
-        """Return the strategy whose robots an explorer drives.
+        """Return a strategy made from the class of an explorer.
 
         Parameters
         ----------
         explorer : type or callable
             The class of the explorer, or a function that builds one. It takes the robot's
-            `RobotSelf` and the options, or the first alone if there are no options.
+            `RobotSelf` and the options, or only the former if there are no options.
         name : str, optional
-            Name of the strategy; by default that of the class with hyphens: ``NearestFrontier``
-            is ``nearest-frontier``.
+            Name of the strategy; by default the name of the class with hyphens:
+            ``NearestFrontier`` becomes ``nearest-frontier``.
         summary : str, optional
             One line for lists; by default the first line of the docstring.
         options : type, optional
-            The structure of options; by default the annotation of the second parameter, else the
-            attribute `Options` of the class, else there are no options.
+            The structure of options; by default the annotation of the second parameter, otherwise
+            the attribute `Options` of the class, otherwise there are no options.
 
         Returns
         -------
         Strategy
-            The strategy; see `register` to make it known by its name.
+            The strategy; `register` makes it available by name.
 
         Raises
         ------
@@ -179,11 +179,11 @@ class Strategy:
 
     @property
     def sees_truth(self) -> bool:
-        """Whether its robots know the map: it is a reference then, and no competitor."""
+        """Whether its robots know the true map; it then serves as a reference only."""
         return self.plan is not None
 
     def require_fit(self, spec: RunSpec) -> None:
-        """Check that this strategy can make a run.
+        """Check that this strategy can execute a run.
 
         Parameters
         ----------
@@ -193,7 +193,7 @@ class Strategy:
         Raises
         ------
         InvalidInputError
-            If it cannot; the message says why.
+            If it cannot; the message states the reason.
 
         Examples
         --------
@@ -215,12 +215,12 @@ class Strategy:
             self.fits(spec)
 
     def parse_options(self, options: Mapping[str, object]) -> msgspec.Struct:
-        """Check values for the strategy's parameters, and fill in the defaults.
+        """Check the values of options, and fill in the defaults.
 
         Parameters
         ----------
         options : mapping of str to object
-            Values by the name of the parameter; they may be written as text.
+            Values by name; they may be given as text.
 
         Returns
         -------
@@ -230,7 +230,7 @@ class Strategy:
         Raises
         ------
         InvalidInputError
-            If a parameter is unknown or its value is not allowed; the message names it.
+            If an option is unknown or its value is not allowed; the message names it.
 
         Examples
         --------
@@ -281,12 +281,12 @@ def _none_read(value: object, kind: Any) -> object:
 
 
 def as_strategy(given: Strategy | Callable[..., Explorer]) -> Strategy:
-    """Return a strategy that is given as such, as an explorer's class or as a function.
+    """Return the strategy that is given as such, as the class of an explorer or as a function.
 
     Parameters
     ----------
     given : Strategy, type or callable
-        The strategy, or what `Strategy.of` takes.
+        The strategy, or an argument of `Strategy.of`.
 
     Returns
     -------
@@ -296,7 +296,7 @@ def as_strategy(given: Strategy | Callable[..., Explorer]) -> Strategy:
     Raises
     ------
     InvalidInputError
-        If it is something else.
+        If it is none of these.
 
     Examples
     --------
@@ -308,7 +308,7 @@ def as_strategy(given: Strategy | Callable[..., Explorer]) -> Strategy:
 
 
 def kebab_case(name: str) -> str:
-    """Return the name of a class or function in lower case, its words joined by hyphens.
+    """Return the name of a class or function in lower case, with words joined by hyphens.
 
     Parameters
     ----------
@@ -330,7 +330,7 @@ def kebab_case(name: str) -> str:
 
 
 def _positional(explorer: Callable[..., Explorer]) -> list[inspect.Parameter]:
-    """Return the parameters that the robot and the options are given to, one or two."""
+    """Return the parameters for the robot and, if there is one, for the options."""
     try:
         parameters = list(inspect.signature(explorer).parameters.values())
     except (TypeError, ValueError):  # built in, without a signature

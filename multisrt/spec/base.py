@@ -1,4 +1,4 @@
-"""A base station: the place to which news of the exploration is to be brought."""
+"""A base station: the place to which the data of the exploration is delivered."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from multisrt.spec.part import Part
 
 
 class BaseSpec(Part, frozen=True, kw_only=True):
-    """A base station, which robots reach by the radio of the team.
+    """A base station, which robots reach by radio.
 
     It has no body and no range finder, never moves and never fails. It collects the nodes and
-    closings in the messages that reach it, asks for those that it lacks, and relays messages
-    where robots do.
+    closings in the messages that reach it, requests those that are missing, and relays messages if
+    robots do.
 
     Attributes
     ----------
     x, y : float
-        Where it is, in metres.
+        Its place in metres.
 
     Raises
     ------
@@ -45,5 +45,5 @@ class BaseSpec(Part, frozen=True, kw_only=True):
 
     @property
     def place(self) -> tuple[float, float]:
-        """Where it is, in metres."""
+        """Its place in metres."""
         return self.x, self.y

@@ -1,4 +1,4 @@
-"""Where the world of a run comes from."""
+"""The source of the world of a run."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ class CatalogEnvironment(Part, frozen=True, kw_only=True, tag_field="from", tag=
     name : str
         Name in the catalogue.
     parameters : dict
-        Parameters of a generator that are not its defaults.
+        Parameters of a generator that differ from its defaults.
     seed : int or None
         Seed of a generator, independent of the seed of the run; None for the generator's default.
 
@@ -36,7 +36,7 @@ class SuiteEnvironment(Part, frozen=True, kw_only=True, tag_field="from", tag="s
     name : str
         Its name, such as "indoor-30/07".
     version : int
-        Version of the suite; another one is an error.
+        Version of the suite; a different version is an error.
 
     Examples
     --------
@@ -58,19 +58,19 @@ class FileEnvironment(Part, frozen=True, kw_only=True, tag_field="from", tag="fi
     path : str
         The file.
     resolution_m : float or None
-        Metres per pixel, for an image whose file does not give them.
+        Metres per pixel, for an image whose file does not state them.
     threshold : float or None
         Lightness in [0, 1] above which a pixel of a plain image is free.
     starts_from : str or None
-        A team file of MRESim that gives a plain image its suggested starts.
+        A team file of MRESim with the suggested starts for a plain image.
     digest : str or None
-        Digest of the free space that the file is to hold, as `Environment.digest` returns it; a
-        file that holds another world is an error. None: whatever the file holds. It is no part of
-        the spec in a recording, since a run does not depend on it.
+        Expected digest of the free space in the file, as returned by `Environment.digest`; a file
+        with a different digest is an error. None: not checked. The spec in a recording does not
+        contain it, because the run does not depend on it.
     starts : tuple of (x, y) or None
-        Suggested starts in metres that the file is to hold, or the one of `starts_from`; others are
-        an error. None: whatever it holds. It is no part of the spec in a recording, either, which
-        has the starts of the robots.
+        Expected suggested starts, in metres, in the file or in `starts_from`; others are an error.
+        None: not checked. The spec in a recording does not contain them, because it has the starts
+        of the robots.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""What goes wrong in a run."""
+"""Faults of robots during a run."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ class Death(Part, frozen=True, kw_only=True, tag_field="fault", tag="death"):
     time_s : float
         The earliest time, in seconds from the start of the run.
     when : {"any", "moving", "waiting", "master"}
-        What the robot is doing when it dies: anything, or the first time from `time_s` on that
-        it moves (halfway through a motion that begins later, at once during one), waits, or
-        organises a group as its master (Multi-SRT; when it has recorded
-        `multisrt.events.Organized`, and before it sends its orders).
+        State in which the robot dies. ``any``: at `time_s`, whatever it does. Otherwise the first
+        time from `time_s` on that it moves (immediately if it is moving at `time_s`, else halfway
+        through its next motion), waits, or organises a group as its master (Multi-SRT; after it
+        has recorded `multisrt.events.Organized`, and before it sends its orders).
 
     Examples
     --------
@@ -47,9 +47,9 @@ class Silence(Part, frozen=True, kw_only=True, tag_field="fault", tag="silence")
     robot : int
         The robot, from 0.
     time_s : float
-        When it fails, in seconds from the start of the run.
+        Time of the failure, in seconds from the start of the run.
     duration_s : float
-        For how long.
+        Duration of the failure, in seconds.
 
     Raises
     ------
@@ -78,14 +78,14 @@ class Silence(Part, frozen=True, kw_only=True, tag_field="fault", tag="silence")
 
 
 class LateStart(Part, frozen=True, kw_only=True, tag_field="fault", tag="late_start"):
-    """A robot stands switched off at its start and begins late.
+    """A robot is switched off at its start and begins late.
 
     Attributes
     ----------
     robot : int
         The robot, from 0.
     time_s : float
-        When it begins, in seconds from the start of the run.
+        Time at which it begins, in seconds from the start of the run.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Keywords of `multisrt.explore`: numbers of numpy taken; other kinds, and unused ones, refused."""
+"""Checks of the keywords of `multisrt.explore`, which accept numbers of numpy."""
 
 from __future__ import annotations
 
@@ -18,28 +18,28 @@ OF_MAP_FILES = {
     option: f"the world that ms.read_environment(file, {option}=...) returns"
     for option in ("resolution_m", "threshold", "starts_from")
 }
-"""What is given instead of options of map files, of which worlds are made before."""
+"""Replacements for options of map files, whose worlds are built before."""
 
 
 def checked(name: str, value: Any) -> Any:
-    """Return the value of a keyword, with builtin numbers where it is a number.
+    """Return the value of a keyword, with numbers converted to builtin ones.
 
     Parameters
     ----------
     name : str
         The keyword.
     value : object
-        What was given for it, not None.
+        Its value, not None.
 
     Returns
     -------
     object
-        The value; a tuple for faults.
+        The value; for faults, a tuple.
 
     Raises
     ------
     InvalidInputError
-        If the value is of another kind than the keyword asks for.
+        If the value has the wrong type for the keyword.
 
     Examples
     --------
@@ -69,24 +69,24 @@ def refuse_unknown(
     known: Iterable[str],
     instead: Mapping[str, str] = MappingProxyType({}),
 ) -> None:
-    """Check that a function has no keyword that it does not take.
+    """Check that a function is given only keywords that it takes.
 
     Parameters
     ----------
     function : str
         Its name.
     given : iterable of str
-        The keywords that it was given and may not take.
+        The keywords that it was given.
     known : iterable of str
-        Those that it takes.
+        The keywords that it takes.
     instead : mapping of str to str, optional
-        How it is given what another function takes by a keyword.
+        For keywords of other functions: what to give instead.
 
     Raises
     ------
     InvalidInputError
-        If there is such a keyword; the message says what to give instead, or names one that is
-        written alike.
+        If there is an unknown keyword; the message says what to give instead, or suggests one with
+        a similar name.
 
     Examples
     --------
@@ -104,25 +104,25 @@ def refuse_unknown(
 
 
 def require_use(spec: RunSpec, given: Mapping[str, str], size: str, *, sized: bool) -> None:
-    """Check that a run uses what its user gave for a team.
+    """Check that a run uses the arguments that apply to teams only.
 
     Parameters
     ----------
     spec : RunSpec
         The run.
     given : mapping of str to str
-        What was given for a team, ``starts`` or a part of the radio, with its name as the user
-        wrote it.
+        The arguments for teams that were given, ``starts`` or parts of the radio, with their names
+        as the user wrote them.
     size : str
-        How the user gives the size of a team.
+        Name of the argument for the size of a team.
     sized : bool
-        Whether the size was given. A team of one is not a mistake then: sizes may be tried in turn.
+        Whether the size was given. A team of one is then accepted, because sizes may be varied.
 
     Raises
     ------
     InvalidInputError
-        If a way to draw starts was given and every robot has its start, or something was given
-        for a team and no team.
+        If `starts` says how to draw starts although every robot has one, or if an argument for
+        teams was given without a team.
 
     Examples
     --------
@@ -162,12 +162,12 @@ def start_of(start: Iterable[float]) -> tuple[float, ...]:
     Parameters
     ----------
     start : iterable of float
-        x and y in metres, and perhaps the heading in radians.
+        x and y in metres, and optionally the heading in radians.
 
     Returns
     -------
     tuple of float
-        As many as were given.
+        As many numbers as were given.
 
     Raises
     ------
@@ -189,12 +189,12 @@ def start_of(start: Iterable[float]) -> tuple[float, ...]:
 
 
 def base_of(base: BaseSpec | Iterable[float]) -> BaseSpec:
-    """Return a base station that is given as its spec or as its place.
+    """Return the spec of a base station that is given as a spec or a place.
 
     Parameters
     ----------
     base : BaseSpec or (x, y)
-        The base station, or where it is, in metres.
+        The base station, or its place in metres.
 
     Returns
     -------
@@ -204,7 +204,7 @@ def base_of(base: BaseSpec | Iterable[float]) -> BaseSpec:
     Raises
     ------
     InvalidInputError
-        If it is neither.
+        If it is neither of these.
 
     Examples
     --------

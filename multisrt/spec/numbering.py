@@ -1,15 +1,15 @@
-"""The numbers of the robots of a team, in words."""
+"""Texts about the numbers of the robots of a team."""
 
 from __future__ import annotations
 
 
 def numbers_of(robots: int) -> str:
-    """Return which numbers the robots of a team have, for messages about one that is not there.
+    """Return the numbers of the robots of a team as text, for messages about a missing one.
 
     Parameters
     ----------
     robots : int
-        How many robots the team has.
+        Number of robots in the team.
 
     Returns
     -------
@@ -29,14 +29,14 @@ def numbers_of(robots: int) -> str:
 
 
 def missing(robot: int, robots: int) -> str:
-    """Return that a team has no robot of a number, and which numbers it has.
+    """Return a message that a team has no robot with a number, and which numbers it has.
 
     Parameters
     ----------
     robot : int
-        The number that is none of the team's.
+        The number.
     robots : int
-        How many robots the team has.
+        Number of robots in the team.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""How messages travel."""
+"""The radio of a team."""
 
 from __future__ import annotations
 
@@ -10,31 +10,32 @@ from multisrt.spec.part import Part
 
 
 class RadioSpec(Part, frozen=True, kw_only=True):
-    """How messages travel.
+    """The radio: range, relaying, delay, loss and the effect of walls.
 
     Attributes
     ----------
     range_m : float or None
-        Range of the radio without walls, in metres (paper: R_c); None for an unlimited one.
+        Range of the radio without walls, in metres (paper: R_c); None for an unlimited range.
     multi_hop : bool
         Whether robots relay messages.
     latency_s : float
-        Time that a message takes, relayed or not.
+        Time in seconds that a message takes, relayed or not.
     jitter_s : float
-        Upper bound of an additional time, drawn uniformly for each message and receiver.
+        Upper bound of an additional delay in seconds, drawn uniformly for each message and
+        receiver.
     loss : float
-        Probability, from 0 to below 1, that a message is lost; drawn for each receiver.
+        Probability, 0 <= loss < 1, that a message is lost; drawn for each receiver.
     walls : {"pass", "block", "weaken"}
-        Whether a wall between two robots does nothing, breaks the link, or weakens the signal.
+        Whether a wall between two robots has no effect, breaks the link, or weakens the signal.
     path_loss_exponent : float
-        Exponent of the path loss where walls weaken; at `range_m` the signal just suffices.
+        Exponent of the path loss if walls weaken; at `range_m` the signal is just sufficient.
     wall_loss_db : float
-        Attenuation by one wall where walls weaken, in decibels.
+        Attenuation by one wall if walls weaken, in decibels.
 
     Raises
     ------
     InvalidInputError
-        If a number is outside of its bounds, or walls weaken a signal without a range.
+        If a number is out of range, or walls weaken a signal of unlimited range.
 
     Examples
     --------
@@ -53,12 +54,12 @@ class RadioSpec(Part, frozen=True, kw_only=True):
 
     @property
     def reach_m(self) -> float:
-        """Range of the radio without walls, in metres; inf for an unlimited one."""
+        """Range of the radio without walls, in metres; inf if it is unlimited."""
         return math.inf if self.range_m is None else self.range_m
 
     @property
     def reaches_everywhere(self) -> bool:
-        """Whether neither distance nor walls keep messages from any robot; they may be lost."""
+        """Whether messages reach all robots despite distance and walls; they may still be lost."""
         return self.range_m is None and self.walls == "pass"
 
     def __post_init__(self) -> None:

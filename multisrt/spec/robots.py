@@ -17,14 +17,14 @@ MIN_RANGE_M, MAX_RANGE_M = 0.01, 1e6
 """Bounds of the range of a range finder, in metres."""
 
 TURNING_RADIUS_M = 0.6
-"""Minimum turning radius of a car that is given none, in metres."""
+"""Default turning radius of a car, in metres."""
 
 MAX_BEAMS = 100_000
-"""Bound of the number of beams of a laser; far more would exhaust the memory."""
+"""Maximum number of beams of a laser; far more would exhaust the memory."""
 
 
 class DriveSpec(Part, frozen=True, kw_only=True):
-    """How a body moves.
+    """The drive of a robot: its kinematics and speeds.
 
     Attributes
     ----------
@@ -33,17 +33,17 @@ class DriveSpec(Part, frozen=True, kw_only=True):
         in any direction and keeps its heading; a Reeds-Shepp car drives forwards and backwards, a
         Dubins car forwards only.
     speed_m_s : float
-        The maximum speed.
+        The maximum speed in m/s.
     turn_rate_rad_s : float
-        The maximum turn rate of a differential drive.
+        The maximum turn rate of a differential drive in rad/s.
     turning_radius_m : float
-        The minimum turning radius of a car; other drives have none.
+        The minimum turning radius of a car in metres; other drives have none.
 
     Raises
     ------
     InvalidInputError
-        If a number is not positive and finite, or a drive that is not a car is given a turning
-        radius.
+        If a number is not positive and finite, or a turning radius is given for a drive other than
+        a car.
 
     Examples
     --------
@@ -67,11 +67,11 @@ class DriveSpec(Part, frozen=True, kw_only=True):
 
     @property
     def is_car(self) -> bool:
-        """Whether it has a turning radius: whether it cannot turn in place."""
+        """Whether it has a turning radius, and therefore cannot turn in place."""
         return self.kind in ("reeds-shepp", "dubins")
 
     def kinematics(self) -> Kinematics:
-        """Return the kinematics that this describes.
+        """Return the kinematics described by this spec.
 
         Returns
         -------
@@ -107,7 +107,7 @@ class RangeFinderSpec(Part, frozen=True, kw_only=True):
     Raises
     ------
     InvalidInputError
-        If a number is outside of its bounds.
+        If a number is out of range.
 
     Examples
     --------
@@ -131,10 +131,10 @@ class RangeFinderSpec(Part, frozen=True, kw_only=True):
 
     @property
     def free_reach_m(self) -> float:
-        """Radius of the free space around it that it shows where nothing is near, in metres.
+        """Radius of the free space that it shows around itself far from obstacles, in metres.
 
-        A laser shows less than its range, as obstacles may stand between its beams; one of few
-        beams shows nothing, 0 or less.
+        A laser shows less than its range, because obstacles may lie between its beams; with very
+        few beams it shows none, and the value is 0 or less.
         """
         return self.range_m if self.beams is None else sure_reach(self.range_m, self.beams)
 
@@ -145,20 +145,20 @@ class RobotSpec(Part, frozen=True, kw_only=True):
     Attributes
     ----------
     start : (x, y) or (x, y, heading) or None
-        Where it starts, in metres and radians; None to let the run place it, see `RunSpec.starts`.
+        Its start, in metres and radians; None: it is placed by the run, see `RunSpec.starts`.
     footprint : str
-        Its body, as `Footprint.parse` reads it: ``disc:0.25``, ``box:0.5x0.3`` or
+        Its body, in the notation of `Footprint.parse`: ``disc:0.25``, ``box:0.5x0.3`` or
         ``polygon:x,y x,y x,y``.
     drive : DriveSpec
-        How it moves.
+        Its drive.
     range_finder : RangeFinderSpec
         Its range finder.
 
     Raises
     ------
     InvalidInputError
-        If the footprint is invalid, the start is not finite, or the range finder does not show the
-        space to be free that the body takes, so that it would see no way to move.
+        If the footprint is invalid, the start is not finite, or the range finder shows no more
+        free space than the body occupies, in which case the robot could not move.
 
     Examples
     --------

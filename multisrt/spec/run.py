@@ -21,21 +21,21 @@ from multisrt.spec.robots import RobotSpec
 from multisrt.validation_errors import UNREADABLE, explained
 
 PlacedHow = Literal["scattered", "clustered", "random", "suggested"]
-"""How a team is placed: far apart, close together, or each robot at a random place."""
+"""How a team is placed: far apart, close together, at random, or where the map suggests."""
 
 
 class StopRule(Part, frozen=True, kw_only=True):
-    """When a run ends although its robots would continue.
+    """Limits at which a run ends although its robots would continue.
 
     Attributes
     ----------
     max_time_s : float
-        The maximum duration of the run, in the time of the run.
+        The maximum duration of the run, in simulated seconds.
     max_idle_s : float
-        The maximum time in which nothing comes of what robots do: none moves, takes a scan at
-        another place, adds a node or learns one. Such a run is `stalled`: its robots wait for one
-        another again and again. Late starts and faults that are still due, and single waits that
-        are longer, are waited for.
+        The maximum time without progress, in simulated seconds: no robot moves, scans at a new
+        place, adds a node or learns one. The run then ends as `stalled`, because its robots wait
+        for each other repeatedly. The run does not end before pending late starts and faults, and
+        before the end of single waits that are longer.
 
     Raises
     ------
@@ -70,21 +70,21 @@ class RunSpec(Part, frozen=True, kw_only=True):
     strategy : str
         Name of a registered strategy; `multisrt.strategies` lists them.
     options : dict
-        Options of the strategy that are not its defaults.
+        Options of the strategy that differ from its defaults.
     robots : tuple of RobotSpec
         The team.
     starts : {"scattered", "clustered", "random", "suggested"}
-        Where robots without a `start` are placed: far apart, close together, each anywhere, or
-        where the environment suggests. A single robot starts where the environment suggests, or at
-        a random place.
+        How robots without a `start` are placed: far apart, close together, each at a random place,
+        or at the suggested starts of the environment. A single robot starts at a suggested start if
+        there is one, otherwise at a random place.
     radio : RadioSpec
-        How messages travel.
+        The radio.
     base : BaseSpec or None
-        The base station; None: there is none.
+        The base station, if any.
     faults : tuple of Death, Silence or LateStart
-        What goes wrong.
+        The faults.
     stop : StopRule
-        When the run ends although its robots would continue.
+        Limits at which the run ends although its robots would continue.
     seed : int
         Seed of all random streams of the run, 0 or positive.
 
@@ -139,18 +139,18 @@ class RunSpec(Part, frozen=True, kw_only=True):
                     raise InvalidInputError(f"robot {robot} has more than one fault {name}")
 
     def canonical(self) -> RunSpec:
-        """Return the equal spec whose written form is the same for all specs equal to it.
+        """Return an equal spec in canonical form: equal specs have the same text.
 
         Returns
         -------
         RunSpec
-            The equal spec; fields that equal their defaults are not written, and numbers of numpy
-            are builtin ones.
+            The spec; fields equal to their defaults are omitted from its text, and numbers of numpy
+            are converted to builtin ones.
 
         Raises
         ------
         InvalidInputError
-            If a field has a value of another type than it declares; the message names it.
+            If a field has a value of the wrong type; the message names it.
 
         Examples
         --------

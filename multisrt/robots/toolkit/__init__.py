@@ -1,19 +1,19 @@
 """Helpers for explorers of your own: maps, paths, motions, messages and decisions.
 
-Everything here runs on a robot: it is made from scans, messages and the robot's own place.
+Everything here runs on a robot: it uses only scans, messages and the robot's own place.
 `multisrt strategy new` writes explorers that use it.
 
 ==================== ==============================================================================
-`assignment`         a strategy made of a rule that assigns frontiers, on the frontier family's
-                     robot
-`RegionExplorer`     an explorer that chooses places in its map of local safe regions, and no more
+`assignment`         a strategy made of a rule that assigns frontiers to robots of the frontier
+                     family
+`RegionExplorer`     an explorer that only chooses places in its map of local safe regions
 `FrontierMap`        a raster of what a robot knows: frontiers, path lengths and paths
 `NodeRoadmap`        straight paths between the nodes of an `ExplorationMap`, and paths over them
 `trajectory`         the motion through places, for every kind of drive
-`trajectory_inside`  the same as far as it stays in a region that is known to be free
+`trajectory_inside`  the same, as far as the body stays in a region known to be free
 `Message`            the base class of messages with custom content
 `decided`            records a decision with custom text and numbers
-`places_of`          an array of places given in any form
+`places_of`          an array of places that are given in any form
 ==================== ==============================================================================
 
 >>> from multisrt.robots.toolkit import FrontierMap, places_of

@@ -1,4 +1,4 @@
-"""Strategies made of a rule of assignment alone, on the robot of the frontier family."""
+"""Strategies made of an assignment rule, with robots of the frontier family."""
 
 from __future__ import annotations
 
@@ -46,32 +46,32 @@ def assignment(
     summary: str | None = None,
     options: type[FrontierOptions] = FrontierOptions,
 ) -> Strategy | Callable[[AssignmentRule], Strategy]:
-    """Return the strategy of robots that go to the frontiers which a rule assigns to them.
+    """Return a strategy whose robots go to the frontiers that a rule assigns to them.
 
-    The rule is all that there is to write: mapping, driving, talking, and giving way are those of
-    `closest`, `greedy` and `minpos`. Also a decorator of the rule.
+    Only the rule has to be written: mapping, driving, communicating and giving way are those of
+    `closest`, `greedy` and `minpos`. Can also be used as a decorator of the rule.
 
     Parameters
     ----------
     rule : callable
         Takes the costs, an ``(n, m)`` array of path lengths in metres from each of the n robots
-        that are considered to each of m frontiers, ``inf`` where there is no path; and the row of
-        the robot that decides. Returns the number of the frontier that this robot goes to, or None
-        to leave them all to the others: it then waits, and the rule is called again. It is called
-        only while the robot can reach a frontier. Costs are those on the robot's own map, rows in
-        the order of the robots' numbers; robots that are idle, or not heard from for some time,
-        have none.
+        considered to each of m frontiers, ``inf`` if there is no path; and the row of the robot
+        that decides. Returns the index of the frontier that this robot goes to, or None to leave
+        all frontiers to the others: the robot then waits, and the rule is called again. It is
+        called only while the robot can reach a frontier. Costs are computed on the robot's own map;
+        rows are in the order of robot numbers. Robots that are idle, or have not been heard from
+        for some time, have no row.
     name : str, optional
-        Name of the strategy; default: that of the rule, with hyphens.
+        Name of the strategy; by default the name of the rule, with hyphens.
     summary : str, optional
-        One line for lists; default: the first line of the rule's docstring.
+        One line for lists; by default the first line of the rule's docstring.
     options : type
         The options: `FrontierOptions`, or a class derived from it with other defaults.
 
     Returns
     -------
     Strategy
-        To be given to `multisrt.explore`, `multisrt.compare`, `multisrt.register` or
+        The strategy, for `multisrt.explore`, `multisrt.compare`, `multisrt.register` or
         `multisrt.testing.check_explorer`.
 
     Examples
@@ -103,12 +103,12 @@ def assignment(
 
 
 class AssignmentExplorer(FrontierExplorer):
-    """Explores by driving to the frontiers that a rule of assignment chooses.
+    """Explores by driving to the frontiers that an assignment rule chooses.
 
     Parameters
     ----------
     me : RobotSelf
-        What the robot knows of itself.
+        What the robot knows about itself.
     options : FrontierOptions
         The parameters.
     rule : callable
@@ -125,7 +125,7 @@ class AssignmentExplorer(FrontierExplorer):
         self.asks = rule
 
     def why_no_goal(self) -> Event:
-        """Return what a robot without a goal is to do: to wait, if the rule says so."""
+        """Return the event of a robot without a goal: it waits if the rule says so."""
         return Event.BARRED if self._adapter.is_waiting else super().why_no_goal()
 
 
@@ -142,7 +142,7 @@ class RuleAdapter:
     Attributes
     ----------
     is_waiting : bool
-        Whether the rule has given the robot no frontier though it could reach one.
+        Whether the rule has assigned the robot no frontier although it could reach one.
     """
 
     def __init__(self, rule: AssignmentRule, name: str) -> None:

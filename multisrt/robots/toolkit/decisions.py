@@ -29,24 +29,24 @@ def decided(
     Parameters
     ----------
     me : RobotSelf
-        What the robot knows of itself.
+        What the robot knows about itself.
     time_s : float
-        The present time, as given by the last scan, motion or message.
+        The present time, taken from the last scan, motion or message.
     text : str
-        Why it decided so, in words; at most `multisrt.events.MAX_TEXT_LENGTH` characters.
+        Reason for the decision; at most `multisrt.events.MAX_TEXT_LENGTH` characters.
     goal : place, optional
-        Where it goes; see `places_of`. Default: nowhere.
+        The goal; see `places_of`. By default there is none.
     options : (m, 2) array_like or sequence of places
-        The places that it considered. Of more than `multisrt.events.MAX_OPTIONS` those with the
-        least first value are recorded, and the goal.
+        The places that were considered. If there are more than `multisrt.events.MAX_OPTIONS`, the
+        goal and those with the lowest values of the first criterion are recorded.
     **values : (m,) array_like
-        Criteria by name, each with one number for each option. Infinite numbers and NaN are
-        recorded as missing.
+        Criteria by name, with one number for each option. Infinite numbers and NaN are recorded as
+        missing.
 
     Returns
     -------
     Note
-        To be yielded.
+        The action, to be yielded.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""A raster map of what a robot knows, with its frontier and the paths over it."""
+"""A raster map of the known area, with its frontiers and paths."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ from multisrt.robots.toolkit.places import is_single, places_of
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Frontier:
-    """A group of adjacent free cells next to unknown ones, and where to go to see beyond it.
+    """A group of adjacent free cells next to unknown ones, and a place from which to look.
 
     Attributes
     ----------
     x, y : float
-        A place in the group at which the body can stand, in metres; the most central one.
+        The most central place in the group at which the body can stand, in metres.
     size_m : float
         Length of the group in metres.
     cells : (k, 2) array
@@ -55,33 +55,33 @@ class Frontier:
 class FrontierMap:
     """The map of one robot as a raster: free cells, frontiers, and paths to them.
 
-    It is made from the robot's own scans and from what other robots send. Adding a scan costs a
-    few milliseconds, however large the map is: only what has changed is computed again.
+    It is made from the robot's own scans and from data of other robots. Adding a scan takes a few
+    milliseconds, regardless of the size of the map, because only changed parts are recomputed.
 
     Parameters
     ----------
     me : RobotSelf
-        What the robot knows of itself: its body and its number.
+        What the robot knows about itself: its body and its number.
     cell_m : float
         Width of a cell in metres; at most the body's width.
     margin_m : float
-        Distance in metres that the body keeps from what is not known to be free.
+        Distance in metres that the body keeps from space that is not known to be free.
     shape : {"radial", "star", "ball"}
-        How much of a scan is taken as surely free; see `local_safe_region`.
+        The part of a scan that is taken as free; see `local_safe_region`.
     cones : int
         Number of equal cones of a star.
     min_frontier_m : float, optional
-        Shorter frontiers are left out. Default: the body's width, as it fits through no narrower
-        opening.
+        Shorter frontiers are omitted. By default the body's width, because the body does not fit
+        through a narrower opening.
 
     Attributes
     ----------
     raster : Occupancy
-        What is known of every cell, and where the body can stand. Read-only.
+        The state of every cell, and the cells at which the body can stand. Read-only.
     entries : Entries
-        The scans as nodes, of its own and from others: what robots send each other. Read-only.
+        The scans as nodes, its own and those of others, as robots send them. Read-only.
     region : LocalSafeRegion or None
-        The local safe region of its own last scan: where it can drive now. None before the first.
+        The local safe region of its own last scan, in which it can drive. None before the first.
 
     Raises
     ------
@@ -151,10 +151,10 @@ class FrontierMap:
         """The local safe region of the robot's own last scan."""
         return self._map.region
 
-    # What is known --------------------------------------------------------------------------
+    # Data -----------------------------------------------------------------------------------
 
     def add(self, scan: Scan) -> Node | None:
-        """Add a scan of the robot's own.
+        """Add a scan taken by this robot.
 
         Parameters
         ----------
@@ -164,33 +164,33 @@ class FrontierMap:
         Returns
         -------
         Node or None
-            The scan as a node, to be recorded (``Note(node.added("scan"))``) and sent to
-            others; None if it showed nothing new. The first scan always makes one.
+            The scan as a node, to be recorded (``Note(node.added("scan"))``) and sent to the
+            others; None if it showed nothing new. The first scan always returns a node.
         """
         return self._map.add(scan)
 
     def merge(self, entries: Iterable[Entry]) -> tuple[NodeId, ...]:
-        """Add what other robots have sent, in any order and however often.
+        """Add data of other robots, in any order and possibly repeated.
 
         Parameters
         ----------
         entries : iterable of Node or Closing
-            What their `add` has returned. Closings of arcs have no effect.
+            Nodes returned by their `add`. Closings of arcs have no effect.
 
         Returns
         -------
         tuple of NodeId
-            The nodes that were new, to be recorded (`multisrt.events.Learned`).
+            The new nodes, to be recorded (`multisrt.events.Learned`).
         """
         return self._map.merge(tuple(entries))
 
     def window(self, place: Any, half_width_m: float) -> ByteArray:
-        """Return what is known of the cells around a place.
+        """Return the states of the cells around a place.
 
         Parameters
         ----------
         place : (x, y), Configuration, ...
-            The middle; see `places_of`.
+            The centre; see `places_of`.
         half_width_m : float
             Half the width of the window in metres, rounded up to whole cells.
 
@@ -204,7 +204,7 @@ class FrontierMap:
         row, column = self.raster.cell_of(x, y)
         return self.raster.square(row - reach, column - reach, 2 * reach + 1)
 
-    # Where the unknown begins ---------------------------------------------------------------
+    # Frontiers ------------------------------------------------------------------------------
 
     def frontiers(self, from_: Any = None) -> tuple[Frontier, ...]:
         """Return the frontiers, each with a place at which the body can stand.
@@ -212,14 +212,14 @@ class FrontierMap:
         Parameters
         ----------
         from_ : place, optional
-            Where the body is. Frontiers that it cannot reach from there are then left out, and
-            those that it can reach at another cell only have that cell as their place. Default:
-            all, whether there is a path or not.
+            Place of the body. Frontiers that it cannot reach from there are omitted, and those that
+            it can reach only at another cell have that cell as their place. By default all
+            frontiers are returned, whether there is a path or not.
 
         Returns
         -------
         tuple of Frontier
-            In the order of their lowest cells, the leftmost first.
+            The frontiers, in the order of their lowest cells, from left to right.
         """
         field = None
         if from_ is not None:
@@ -245,15 +245,15 @@ class FrontierMap:
         return self._frontiers.is_frontier(*_one(place, "place")[0].tolist())
 
     def give_up(self, place: Any) -> None:
-        """Leave out a place, and all within half the body's width, from now on.
+        """Omit a place, and all places within half the body's width, from now on.
 
-        To be called where the robot has scanned at a frontier and nothing has changed, or could
-        not get there. Other cells of the same frontier take its place.
+        Call it if a scan at a frontier has changed nothing, or if the frontier could not be
+        reached. Other cells of the same frontier take its place.
         """
         [(x, y)] = _one(place, "place").tolist()
         self._frontiers.give_up((x, y))
 
-    # How to get there -----------------------------------------------------------------------
+    # Paths ----------------------------------------------------------------------------------
 
     def costs(self, from_: Any, to: Any) -> FloatArray:
         """Return the lengths of the shortest paths.
@@ -261,21 +261,21 @@ class FrontierMap:
         Parameters
         ----------
         from_ : place or places
-            Where paths begin: of this robot, or of others; see `places_of`.
+            Starts of the paths, of this robot or of others; see `places_of`.
         to : place or places
-            Where they lead, such as `frontiers`.
+            Ends of the paths, such as `frontiers`.
 
         Returns
         -------
         (n, m) or (m,) array
-            Metres; ``inf`` where there is no path. One row for each place of `from_`, or the row
-            alone if that is a single place.
+            Lengths in metres; ``inf`` if there is no path. One row for each place of `from_`, or a
+            one-dimensional array if that is a single place.
 
         Notes
         -----
-        Paths lead over cells at which the body can stand in any heading. A path begins at the
-        nearest such cell, at most 8 cells away. Lengths are those of `distance_field`, half a
-        per cent too long on average.
+        Paths lead over cells at which the body can stand with any heading. A path begins at the
+        nearest such cell, at most 8 cells away. Lengths are those of `distance_field`, which are
+        0.5 % too long on average.
         """
         starts, ends = places_of(from_, "from_"), places_of(to, "to")
         table = np.full((len(starts), len(ends)), np.inf)
@@ -296,8 +296,8 @@ class FrontierMap:
         Returns
         -------
         (k, 2) array or None
-            Its corners in metres, from `from_` itself to the cell of `to`; None if no path
-            leads there. `trajectory_inside` makes a motion of it.
+            Its vertices in metres, from `from_` to the cell of `to`; None if there is no path.
+            `trajectory_inside` returns a motion along it.
         """
         start, end = _one(from_, "from_"), _one(to, "to")
         field = self._field(*start[0].tolist())
@@ -311,12 +311,12 @@ class FrontierMap:
 
     @contextmanager
     def around(self, bodies: Iterable[Sighting], guard_m: float = 0.1) -> Iterator[None]:
-        """Keep paths off the bodies of other robots within a ``with`` block.
+        """Keep paths away from the bodies of other robots within a ``with`` block.
 
         Parameters
         ----------
         bodies : iterable of Sighting
-            The bodies: the outcome of `Look`, or the one that blocked a motion.
+            The bodies: the outcome of `Look`, or the body that blocked a motion.
         guard_m : float
             Distance between two bodies in metres, as in `Move`.
         """

@@ -1,4 +1,4 @@
-"""Places in any form that explorers have them: numbers, arrays, configurations, goals, nodes."""
+"""Places in all forms that explorers use: numbers, arrays, configurations, goals, nodes."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ def places_of(places: Any, name: str = "places") -> FloatArray:
     Parameters
     ----------
     places : (n, 2) or (n, 3) array_like, or a single place
-        x, y and perhaps a heading of each. A place is also a `Configuration`, or an object that
-        has a `place` or a `configuration`, such as a `Frontier` or a `Node`; and a list or tuple
-        may mix all of these.
+        x, y and optionally the heading of each. A place may also be a `Configuration`, or an object
+        with an attribute `place` or `configuration`, such as a `Frontier` or a `Node`. A list or
+        tuple may mix all of these.
     name : str
         Name of the argument in error messages.
 
@@ -31,7 +31,7 @@ def places_of(places: Any, name: str = "places") -> FloatArray:
     Raises
     ------
     InvalidInputError
-        If they are not places, or a number is not finite.
+        If the argument has another form, or a number is not finite.
 
     Examples
     --------
@@ -50,7 +50,7 @@ def places_of(places: Any, name: str = "places") -> FloatArray:
 
 
 def rows_of(places: Any, name: str = "places") -> FloatArray:
-    """Return places as `places_of` does, ``(n, 2)``, or ``(n, 3)`` if all have headings."""
+    """Return places like `places_of`, ``(n, 2)``, or ``(n, 3)`` if all have headings."""
     rows = _numbers(places)
     try:
         if isinstance(rows, list | tuple) and any(np.ndim(row) for row in rows):
@@ -76,7 +76,7 @@ def rows_of(places: Any, name: str = "places") -> FloatArray:
 
 
 def is_single(places: Any) -> bool:
-    """Whether places are a single one, and not a sequence or an array of them.
+    """Whether the argument is a single place, not a sequence or an array of places.
 
     Examples
     --------

@@ -29,19 +29,19 @@ from multisrt.robots.toolkit.decisions import decided
 from multisrt.robots.toolkit.places import places_of
 
 BESIDE_CELLS = 2
-"""Maximum distance from a chosen place to the one where the body can stand that replaces it, in
-cells, beyond the radius of the body."""
+"""Maximum distance, in cells beyond the radius of the body, from a chosen place to the place
+where the body can stand that replaces it."""
 
 
 class RegionOptions(FrontierOptions, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Parameters of robots that go from place to place: those of `FrontierOptions`.
+    """Parameters of a `RegionExplorer`: those of `FrontierOptions`, with other defaults.
 
     Attributes
     ----------
     sense : {"targets", "moving"}
-        As above; by default scans become part of the map at the places chosen alone.
+        As above; by default only scans at the chosen places become part of the map.
     replan : {"target", "news"}
-        As above; by default a place is chosen when the last one is reached.
+        As above; by default a place is chosen when the previous one is reached.
     """
 
     sense: Literal["moving", "targets"] = "targets"
@@ -57,9 +57,9 @@ class Teammate:
     robot : int
         Its number.
     place : Configuration
-        Where it is, or was when it said so.
+        Its place at the time of its last report.
     goal : (x, y) or None
-        Where it is going.
+        Its goal.
     """
 
     robot: int
@@ -68,25 +68,25 @@ class Teammate:
 
 
 class RegionExplorer(ABC):
-    """Explores from place to place, which `choose` picks in a map of local safe regions.
+    """Explores by driving to places that `choose` selects in a map of local safe regions.
 
-    Derive a class that has `choose`. Sensing, driving there round obstacles, sending and merging
-    of nodes, and giving way are done for it, as the frontier family does them.
+    Derive a class that implements `choose`. Sensing, driving around obstacles, sending and merging
+    nodes, and giving way are those of the frontier family.
 
     Parameters
     ----------
     me : RobotSelf
-        What the robot knows of itself.
+        What the robot knows about itself.
     options : RegionOptions
         The parameters.
 
     Attributes
     ----------
     me, options
-        As given.
+        The arguments.
     map : ExplorationMap
-        What it knows: its own nodes and those of others, each with its local safe region and the
-        frontier that is left of it. Read-only.
+        Its own nodes and those of others, each with its local safe region and remaining frontier.
+        Read-only.
 
     Examples
     --------
@@ -136,21 +136,21 @@ class RegionExplorer(ABC):
         Returns
         -------
         place or None
-            In any form that `places_of` takes. The robot goes to the nearest place where its body
-            can stand. It must be able to: `costs` is finite there. None if there is no place
-            left to go to: the robot is done until it hears something new.
+            A place in any form accepted by `places_of`. The robot goes to the nearest place where
+            its body can stand. The place must be reachable: `costs` is finite there. None if there
+            is no place left: the robot is done until it receives new data.
         """
 
-    # What it may ask ------------------------------------------------------------------------
+    # Information for `choose` ---------------------------------------------------------------
 
     @property
     def at(self) -> Configuration:
-        """Where the robot stands."""
+        """The present configuration of the robot."""
         return self._robot.at
 
     @property
     def time_s(self) -> float:
-        """The time now, in seconds."""
+        """The present time in seconds."""
         return self._robot.time_s
 
     def teammates(self) -> list[Teammate]:
@@ -159,7 +159,7 @@ class RegionExplorer(ABC):
         Returns
         -------
         list of Teammate
-            Without those that have nothing to do, or were not heard from for
+            The reports, without robots that have nothing to do or have not been heard from for
             `options.lost_after_s`.
         """
         return [
@@ -173,15 +173,15 @@ class RegionExplorer(ABC):
         Parameters
         ----------
         places : (m, 2) array_like, or a single place
-            See `places_of`. Each is taken as the nearest place where the body can stand, if there
-            is one close by.
+            See `places_of`. Each is replaced by the nearest place where the body can stand, if
+            there is one close by.
 
         Returns
         -------
         (m,) array
-            Metres; ``inf`` where there is no path, where other robots block all paths, where
-            there is no time to go there and home again (option `home`), and at places from which
-            it has scanned or that it failed to reach.
+            Lengths in metres; ``inf`` if there is no path, if other robots block all paths, if
+            there is no time to go there and then home (option `home`), and for places where the
+            robot has scanned or that it failed to reach.
         """
         wanted = places_of(places)
         with self._robot.around_bodies():
@@ -192,23 +192,23 @@ class RegionExplorer(ABC):
         return found
 
     def explain(self, text: str, options: Any = (), **values: Any) -> None:
-        """Record the next choice with a reason; to be called in `choose`.
+        """Record a reason for the next choice; to be called in `choose`.
 
         Parameters
         ----------
         text : str
-            Why, in words.
+            The reason.
         options : (m, 2) array_like or sequence of places
             The places that were considered.
         **values : (m,) array_like
-            What they were weighed by; see `decided`.
+            The criteria; see `decided`.
         """
         self._explanation = text, options, values
 
-    # What it does ---------------------------------------------------------------------------
+    # Execution ------------------------------------------------------------------------------
 
     def run(self) -> Steps:
-        """Explore: an explorer's contract, see `multisrt.robots.explorer.Explorer`."""
+        """Yield actions, as required by `multisrt.robots.explorer.Explorer`."""
         yield from self._explorer.run()
 
     @property
@@ -368,7 +368,7 @@ def within_disc(segments: FloatArray, centre: Place, radius_m: float) -> FloatAr
     Returns
     -------
     (k, 4) array
-        The parts that have a length.
+        The parts of positive length.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""A roadmap over the nodes of a map: straight edges between them, and shortest paths over them."""
+"""A roadmap of the nodes of a map, with straight edges and shortest paths."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ Passable = Callable[[NodeId, NodeId], bool]
 
 
 class NodeRoadmap:
-    """The nodes of an `ExplorationMap`, joined where the body can go straight between them.
+    """The nodes of an `ExplorationMap`, with an edge if the body can go straight between two.
 
-    It grows with the map, also by nodes from other robots, and needs no call to update it. On an
-    edge the body goes as far as it can in the region of one node, and on in that of the other; it
-    fits there in any heading, so that bodies that turn in place can follow. Cars need curves:
-    drive along a path with `trajectory_inside`.
+    It follows the map automatically, including nodes from other robots. Along an edge the body
+    stays first in the region of one node and then in that of the other, and fits with any heading,
+    so bodies that turn in place can follow it. Cars need curves: use `trajectory_inside` to drive
+    along a path.
 
     Parameters
     ----------
@@ -82,12 +82,12 @@ class NodeRoadmap:
 
     @property
     def graph(self) -> Roadmap[NodeId]:
-        """The graph of all nodes that are known by now."""
+        """The graph of all nodes known so far."""
         self._extend()
         return self._graph
 
     def visible_from(self, place: Any) -> list[Node]:
-        """Return the nodes from which the body can go straight to a place, the nearest first.
+        """Return the nodes from which the body can go straight to a place, nearest first.
 
         Parameters
         ----------
@@ -100,19 +100,19 @@ class NodeRoadmap:
         return [node for node in near if self._leads(node, x, y)]
 
     def path(self, from_: Any, to: Any, passable: Passable | None = None) -> FloatArray | None:
-        """Return the shortest path between two places by way of nodes.
+        """Return the shortest path between two places over the nodes.
 
         Parameters
         ----------
         from_, to : place
-            Its ends; each is a node, or can be gone to straight from one.
+            Its ends; each is a node, or is reachable from one in a straight line.
         passable : callable, optional
             Whether the path between two nodes, given by their ids, is free at present.
 
         Returns
         -------
         (k, 2) array or None
-            Its corners in metres, both ends included; None if no path leads there.
+            Its vertices in metres, including both ends; None if there is no path.
         """
         start, end = _one(from_)[0], _one(to)[0]
         lengths, routes = self._routes(start, [end], passable)
@@ -131,16 +131,16 @@ class NodeRoadmap:
         Parameters
         ----------
         from_ : place
-            Where paths begin.
+            Start of the paths.
         to : place or places
-            Where they lead.
+            Ends of the paths.
         passable : callable, optional
             As in `path`.
 
         Returns
         -------
         (m,) array
-            Metres; ``inf`` where there is no path.
+            Lengths in metres; ``inf`` if there is no path.
         """
         ends = [tuple(end) for end in places_of(to, "to").tolist()]
         return np.array(self._routes(_one(from_)[0], ends, passable)[0], np.float64)

@@ -38,35 +38,35 @@ Region = LocalSafeRegion | FloatArray | BaseGeometry
 def trajectory(
     kinematics: Kinematics, start: Configuration, places: Any, *, headings: bool = False
 ) -> Trajectory:
-    """Return the motion through places, without looking for obstacles.
+    """Return the motion through places, regardless of obstacles.
 
     A holonomic body goes straight from place to place; a differential one turns in place before
-    each straight leg, the shorter way; a car drives the shortest curves, and passes each place in
-    the direction of the next one.
+    each straight leg, in the shorter direction; a car drives the shortest curves, and passes each
+    place in the direction of the next one.
 
     Parameters
     ----------
     kinematics : Holonomic, Differential or Car
-        How the body moves: ``me.kinematics``.
+        The kinematics of the body: ``me.kinematics``.
     start : Configuration
-        Where it stands, with its heading: the `configuration` of the last `Moved`.
+        Its present configuration: the `configuration` of the last `Moved`.
     places : (n, 2) or (n, 3) array_like, or a single place
-        Where to, in order; see `places_of`. A place where the body is already is left out.
+        The places in order; see `places_of`. A place where the body already is is omitted.
     headings : bool
-        Whether the third numbers of places are headings in radians to be taken there. Default:
-        x and y alone count.
+        Whether the third numbers of places are headings in radians to be taken there. By default
+        only x and y are used.
 
     Returns
     -------
     Trajectory
-        At maximum speed. It begins exactly at `start`; a single waypoint if there is nowhere to
-        go.
+        The motion at maximum speed, which begins exactly at `start`; a single waypoint if there is
+        no place to go to.
 
     Raises
     ------
     InvalidInputError
-        If a place is invalid, or headings are requested that places do not have, or for a
-        holonomic body, which keeps its own.
+        If a place is invalid, or `headings` is true although places have none or the body is
+        holonomic, which keeps its heading.
 
     Examples
     --------
@@ -107,36 +107,36 @@ def trajectory_inside(
     limit_m: float = math.inf,
     headings: bool = False,
 ) -> Trajectory | None:
-    """Return the motion along places as far as the body stays in a region known to be free.
+    """Return the motion along places, as far as the body stays in a region known to be free.
 
-    Every leg is verified exactly. The first one that does not fit is shortened to where the body
-    still fits, and is the last; a car ends at the last place to which it finds a motion. So a
-    path through the whole map can be followed from scan to scan, each time inside what the last
-    scan showed.
+    Every leg is verified exactly. The first leg that does not fit is shortened to the part where
+    the body fits, and is the last one; a car ends at the last place to which it finds a motion. A
+    path through the whole map can thus be followed from scan to scan, each time inside the region
+    of the last scan.
 
     Parameters
     ----------
     me : RobotSelf
-        What the robot knows of itself: its body and its kinematics.
+        What the robot knows about itself: its body and its kinematics.
     start : Configuration
-        Where it stands; inside the region.
+        Its present configuration, inside the region.
     places : (n, 2) or (n, 3) array_like, or a single place
-        Where to, in order, such as a path of `FrontierMap`; see `places_of`. If the first is
-        where the body stands, it is left out.
+        The places in order, such as a path of `FrontierMap`; see `places_of`. If the body is at the
+        first place, it is omitted.
     region : LocalSafeRegion, (n, 2) array or polygon of shapely
         Space known to be free. For cars it may have holes and several parts.
     margin_m : float
-        Distance in metres that the body keeps from the region's border where there is room.
+        Distance in metres that the body keeps from the border of the region if there is room.
     limit_m : float
-        Length in metres after which the motion ends; not for cars.
+        Maximum length of the motion in metres; not for cars.
     headings : bool
-        Cars: whether the third numbers of places are headings to arrive with. Default: the car
-        arrives with the first of several headings to which it finds a motion.
+        For cars, whether the third numbers of places are headings to arrive with. By default the
+        car arrives with the first of several headings for which it finds a motion.
 
     Returns
     -------
     Trajectory or None
-        None if less than a centimetre of the path is free.
+        The motion; None if less than a centimetre of the path is free.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""A whole explorer: what a robot does, from its first scan to its last word.
+"""A whole explorer: everything that a robot does, from its first scan to its end.
 
 multisrt check mine.py
 multisrt explore museum --strategy mine.py --robots 3
@@ -34,9 +34,9 @@ class Options(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     Attributes
     ----------
     leg_s : float
-        How long the robot drives from scan to scan, in seconds.
+        Driving time between two scans, in seconds.
     patience : int
-        How often in a row other robots may be in its way before it gives up.
+        Number of successive attempts blocked by other robots before it gives up.
     """
 
     leg_s: float = 1.0
@@ -51,13 +51,13 @@ class News(Message, frozen=True):
 
 
 class Mine:
-    """Drive to the nearest of the frontiers to which fewest robots are nearer."""
+    """Drive to the nearest frontier among those to which the fewest robots are nearer."""
 
     def __init__(self, me: RobotSelf, options: Options) -> None:
         self.me, self.options = me, options
         self.at, self.time_s = me.start, me.time_s
         self.map = FrontierMap(me)
-        self.others: dict[int, tuple[float, float]] = {}  # where each was last heard from
+        self.others: dict[int, tuple[float, float]] = {}  # last reported places
         self.knows_all = False
 
     def run(self) -> Steps:
@@ -67,10 +67,10 @@ class Mine:
             yield from self.look_around()
             frontiers = self.map.frontiers(self.at)
             if not frontiers:
-                if not self.knows_all:  # On record once, until something new is learned.
+                if not self.knows_all:  # Recorded once, until new data is received.
                     self.knows_all = True
                     yield Note(MapComplete(time_s=self.time_s, robot=self.me.robot))
-                # Done, but on call: others may send something that leads on.
+                # Done, but on call: data from others may open new frontiers.
                 told = yield Done(complete=True, reason="no frontier is left", on_call=True)
                 yield from self.take(told)
                 continue
@@ -98,7 +98,7 @@ class Mine:
         """Follow a path until the next scan; return False if another robot was in the way."""
         assert self.map.region is not None
         motion = trajectory_inside(self.me, self.at, path, self.map.region)
-        if motion is None:  # It stands there and sees nothing new, or does not fit through.
+        if motion is None:  # Already there with nothing new to see, or too narrow.
             self.map.give_up(goal)
             return True
         moved: Any = yield Move(trajectory=motion.until(self.options.leg_s), guard_m=0.1)

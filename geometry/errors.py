@@ -28,7 +28,7 @@ class MultiSrtError(Exception):
 
 
 class InvalidInputError(MultiSrtError, ValueError):
-    """An argument or input cannot be used; the message says the value, the place and the remedy.
+    """An argument or input is invalid; the message states the value, the place and the remedy.
 
     Examples
     --------
@@ -46,13 +46,13 @@ class InvalidInputError(MultiSrtError, ValueError):
 class MapFormatError(InvalidInputError):
     r"""A map file cannot be read; the message names the file, the place in it and the remedy.
 
-    Messages cite files, whose characters may be anything: those that a terminal would not show, or
-    obey, are escaped, so that a message is one line of text.
+    Messages quote files, which may contain any characters: those that a terminal would not show or
+    would interpret are escaped, so a message is a single line of text.
 
     Parameters
     ----------
     message : str
-        What is wrong, where, and what to do.
+        The error, its place and the remedy.
 
     Examples
     --------
@@ -70,7 +70,7 @@ class ClearanceError(InvalidInputError):
     Parameters
     ----------
     message : str
-        What is too close to what.
+        The message.
     clearance_m : float
         Distance to the nearest obstacle in metres; negative or zero inside one.
 

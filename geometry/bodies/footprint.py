@@ -48,14 +48,14 @@ class Footprint:
     Build one with `disc`, `box`, `polygon` or `parse`; ``str`` returns the text that `parse`
     reads. Footprints are immutable, and equal if they have the same form and numbers.
 
-    A disc is exact where radii are used (collision, clearance, width). Where a polygon is needed
-    (`vertices`, `placed`, `swept`) it is the regular polygon of `DISC_SIDES` sides around the
-    disc, which exceeds the radius by at most 0.0302 %.
+    A disc is exact in all computations with radii (collision, clearance, width). If a polygon is
+    needed (`vertices`, `placed`, `swept`), it is the circumscribed regular polygon of `DISC_SIDES`
+    sides, which exceeds the radius by at most 0.0302 %.
 
     Parameters
     ----------
     text : str
-        The text that `parse` reads.
+        The text accepted by `parse`.
     vertices : (n, 2) array
         Corners in metres, counter-clockwise; made read-only.
     radius_m : float or None
@@ -168,7 +168,7 @@ class Footprint:
 
     @classmethod
     def parse(cls, text: str) -> Footprint:
-        """Return the footprint that a text describes.
+        """Return the footprint described by a text.
 
         Parameters
         ----------
@@ -182,7 +182,7 @@ class Footprint:
         Raises
         ------
         InvalidInputError
-            If the text has none of these forms, or the body is not usable.
+            If the text has none of these forms, or the body is not valid.
 
         Examples
         --------
@@ -314,7 +314,7 @@ class Footprint:
         Returns
         -------
         Polygon or MultiPolygon
-            Exact for polygons; for a disc what its polygon around it sweeps.
+            Exact for polygons; for a disc, the area swept by its circumscribed polygon.
 
         Raises
         ------

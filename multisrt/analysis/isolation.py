@@ -1,6 +1,6 @@
-"""Which robots were cut off from their team, for how long and how far.
+"""Isolation: the times at which robots were cut off from their team, and their distances.
 
-The spells are computed from the trajectories and the events themselves, not by sampling: see
+The intervals are computed exactly from trajectories and events, not by sampling; see
 `multisrt.analysis.link_changes`.
 """
 
@@ -43,11 +43,11 @@ class Isolation:
     longest_s : float
         Duration of the longest spell.
     beyond_range_m : float or None
-        The largest distance to the nearest other robot that took part, less the range of the
-        radio, while the robot was isolated. 0 if it never was, or never out of range of the
-        nearest (but silent, or behind a wall); None for a radio without a range.
+        The largest distance to the nearest other active robot, minus the range of the radio, while
+        the robot was isolated. 0 if it was never isolated, or only by silence or walls and not by
+        distance; None for a radio of unlimited range.
     spells : tuple of (begin_s, end_s)
-        When it was isolated, in order.
+        The intervals in which it was isolated, in order.
     """
 
     total_s: float
@@ -58,7 +58,7 @@ class Isolation:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TeamIsolation:
-    """Times at which the robots of a team were cut off from one another.
+    """Times at which the robots of a team were cut off from each other.
 
     Attributes
     ----------
@@ -72,7 +72,8 @@ class TeamIsolation:
         The largest of the robots' values.
     split_s : float
         Time during which some robot could not have reached another one: with relays, while the
-        network was in more than one part; without, while any link of two robots was missing.
+        network had more than one part; without relays, while the link between any two robots was
+        missing.
     """
 
     robots: tuple[Isolation, ...]
@@ -85,7 +86,7 @@ class TeamIsolation:
 def isolation(
     recording: Recording, environment: Environment | None = None
 ) -> tuple[Isolation, ...]:
-    """Measure how each robot was cut off from all others.
+    """Measure the isolation of each robot from all others.
 
     Parameters
     ----------
@@ -98,7 +99,7 @@ def isolation(
     Returns
     -------
     tuple of Isolation
-        One for each robot. `team_isolation` says what isolation is.
+        One for each robot. Isolation is defined at `team_isolation`.
 
     Examples
     --------
@@ -118,14 +119,14 @@ def isolation(
 
 
 def team_isolation(recording: Recording, environment: Environment | None = None) -> TeamIsolation:
-    """Measure how the robots of a team were cut off from one another.
+    """Measure the isolation of the robots of a team from each other.
 
-    A robot is isolated while other robots take part and none of its links holds. Relays make no
-    difference, as a robot that is reached through a relay has a link to that relay; only a base
-    station that relays counts as a link between the robots that have a link to it. Links are
+    A robot is isolated while other robots are active and it has no link to any of them. Relays make
+    no difference, because a robot that is reached through a relay has a link to that relay; only a
+    base station that relays counts as a link between the robots that have a link to it. Links are
     those of the run's `RadioSpec`, without delays and losses; a robot whose radio is silent has
-    none. A robot takes part from when it is switched on to its death or the end of the run, also
-    after it is done; the only robot that takes part is not isolated.
+    none. A robot is active from the time when it is switched on until its death or the end of the
+    run, also after it is done; if only one robot is active, it is not isolated.
 
     Parameters
     ----------
@@ -138,8 +139,8 @@ def team_isolation(recording: Recording, environment: Environment | None = None)
     Returns
     -------
     TeamIsolation
-        Times are exact to a microsecond, distances to a micrometre. Where a robot on an arc stays
-        within a micrometre of where a link begins to hold, times are those for a range that
+        Times are exact to a microsecond, distances to a micrometre. If a robot on an arc stays
+        within a micrometre of the place where a link begins, times are those for a range that
         differs by as much.
 
     Notes

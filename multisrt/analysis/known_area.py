@@ -1,6 +1,6 @@
 """The area that only one robot of a team knew, and that would have been lost with it.
 
-What the base station knows, if there is one, is not lost with any robot.
+Area known to a base station is not lost with any robot.
 """
 
 from __future__ import annotations
@@ -36,12 +36,12 @@ class KnownToOne:
 
 
 def area_known_to_one(recording: Recording, environment: Environment | None = None) -> KnownToOne:
-    """Integrate over time the area that only one robot knew.
+    """Compute the area that only one robot knew, and its integral over time.
 
-    A robot knows the regions of the nodes that it made and of those that it learned of, as far as
-    they were seen and are explorable; a robot that notes no node knows its own scans. A robot that
-    dies knows nothing any more. What the base station knows as well does not count. The area
-    changes only at events, so that the integral over time is exact.
+    A robot knows the regions of its own nodes and of those that it learned of, as far as they were
+    seen and are explorable; a robot that records no nodes knows its own scans. A dead robot knows
+    nothing. Area that the base station also knows does not count. The area changes only at events,
+    so the integral over time is exact.
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ def area_known_to_one(recording: Recording, environment: Environment | None = No
     Raises
     ------
     InvalidInputError
-        If the recording holds no valid world, or nodes but no scans.
+        If the recording has no valid world, or nodes but no scans.
 
     Examples
     --------
@@ -75,7 +75,7 @@ def area_known_to_one(recording: Recording, environment: Environment | None = No
 
 
 def known_to_one(proof: Evidence, covered: Coverage, until_s: float) -> KnownToOne:
-    """Integrate the area that only one robot knew from 0 to a time, in seconds.
+    """Integrate the area that only one robot knew from 0 to a given time in seconds.
 
     The final areas are those at the end of the run.
     """

@@ -1,4 +1,4 @@
-"""Measuring a run, from its recording and the truth (never by a robot)."""
+"""Measures of a run, computed from its recording and the true world."""
 
 from __future__ import annotations
 
@@ -69,8 +69,8 @@ def measure(
     environment : Environment, optional
         The world, if it has been built already; by default it is built from the recording.
     horizon_s : float, optional
-        Time up to which integrals run, in seconds; by default the end of the run. Runs that are
-        compared need one horizon, for what is not covered when a run ends stays uncovered.
+        Upper limit of integrals over time, in seconds; by default the end of the run. Compared runs
+        need a common horizon, because area that is not covered when a run ends stays uncovered.
     witnesses : bool, default False
         Whether to compute `Metrics.lower_bound_witness_s`, which takes about a second for each
         world.
@@ -78,13 +78,13 @@ def measure(
     Returns
     -------
     Metrics
-        What is measured.
+        The measures of the run.
 
     Raises
     ------
     InvalidInputError
-        If the recording holds no valid world, or nodes but no scans, or the horizon is not a
-        positive time.
+        If the recording has no valid world, or nodes but no scans, or the horizon is not a positive
+        time.
 
     Examples
     --------
@@ -104,15 +104,15 @@ def measure(
 
 
 class Curves(NamedTuple):
-    """How the coverage of a run grew.
+    """The growth of coverage during a run.
 
     Attributes
     ----------
     covered_at_s : tuple of (float or None)
-        When each percent of the explorable area was covered, from 0 to 100 (s); None if it never
-        was.
+        Time at which each percent of the explorable area was covered, from 0 to 100 (s); None if
+        it never was.
     delivered_at_s : tuple of (float or None)
-        The same of what the base station knew; empty without one.
+        The same for the area known to the base station; empty without one.
     """
 
     covered_at_s: tuple[float | None, ...]
@@ -126,7 +126,7 @@ def measure_with_curves(
     horizon_s: float | None = None,
     witnesses: bool = False,
 ) -> tuple[Metrics, Curves]:
-    """Measure a run, and how its coverage grew.
+    """Measure a run and the growth of its coverage.
 
     Parameters
     ----------
@@ -136,7 +136,7 @@ def measure_with_curves(
     Returns
     -------
     metrics : Metrics
-        What is measured.
+        The measures of the run.
     curves : Curves
         When each percent of the explorable area was covered, and delivered.
     """

@@ -16,7 +16,7 @@ SUCCESS_COVERAGE = 0.95
 
 
 def require_threshold(threshold: float) -> float:
-    """Return a share of coverage; raise an `InvalidInputError` unless it is above 0 and up to 1."""
+    """Return a share of coverage; raise an `InvalidInputError` unless 0 < share <= 1."""
     if not is_between(threshold, 0.0, 1.0):
         raise InvalidInputError(
             f"a threshold of coverage is a share above 0 and up to 1, not {threshold!r}"
@@ -25,7 +25,7 @@ def require_threshold(threshold: float) -> float:
 
 
 def is_between(value: object, above: float, most: float) -> bool:
-    """Whether a value is a number above a bound and up to another one."""
+    """Whether a value is a number above a lower bound and not above an upper bound."""
     try:
         return bool(above < value <= most)  # type: ignore[operator]
     except (TypeError, ValueError):
@@ -43,13 +43,13 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
     outcome : {"complete", "stalled", "out_of_time"}
         How the run ended.
     known_complete_s : float or None
-        When the first robot knew the map complete; None if none came to know. That it says so
-        counts only if it knew what the team had covered in the end; see
+        Time at which the first robot knew that its map was complete; None if none did. It counts
+        only if that robot knew the area that the team had finally covered; see
         `multisrt.analysis.coverage.known_complete_s`.
     makespan_s : float
-        When the run ended: all robots home, if it is complete.
+        End of the run: all robots are home, if it is complete.
     time_to_90_s, time_to_95_s, time_to_99_s : float or None
-        When that share of the explorable area was covered; None if it never was.
+        Time at which that share of the explorable area was covered; None if it never was.
     waiting_time_s : float
         Time that all robots together stood still, each between its start and its last end. A
         robot that starts late counts from then, one that dies until then.
@@ -62,18 +62,18 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
     distance_spread_m : float
         Standard deviation of the path length over all robots of the team.
     coverage : float
-        Share of the explorable area that robots covered, from 0 to 1: that lies in the safe
-        region of any node and was seen; for robots that note no node, that was seen.
+        Share of the explorable area that was covered, from 0 to 1: it lies in the safe region of a
+        node and was seen; for robots that record no nodes, it was seen.
     seen : float
-        Share of the explorable area that any scan showed, from 0 to 1, whatever robots made of it.
+        Share of the explorable area that any scan showed, from 0 to 1.
     coverage_integral_s : float
         Time integral of the share not yet covered, up to the horizon: lower is better, and
         early coverage counts more.
     free_area_m2 : float
         Area of all free space of the world, reachable or not.
     explorable_area_m2 : float
-        Area that any robot could see from where its body can get to from its start. Robots that
-        die or start late count: it is the task that the team was given.
+        Area that any robot could see from the places that its body can reach from its start. Robots
+        that die or start late count, because this area is the task of the team.
     covered_area_m2 : float
         Explorable area that was covered.
     seen_area_m2 : float
@@ -81,57 +81,56 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
     unseen_m2 : float
         Explorable area that no robot saw.
     given_up_m2 : dict of str to float
-        Explorable area that was not covered, by the reason for which the frontier before it was
-        given up; see `multisrt.analysis.given_up`.
+        Explorable area that was not covered, by the reason for which its frontier was given up; see
+        `multisrt.analysis.given_up`.
     overlap_area_m2 : float
         Explorable area that at least two robots saw.
     overlap_share : float
-        The same as a share of the seen area, from 0 to 1; 0 where nothing was seen.
+        The same as a share of the seen area, from 0 to 1; 0 if nothing was seen.
     frontier_left_m : float
         Length of the frontier left open at the end.
     lost_area_m2 : float
-        Explorable area that only robots which died saw, and that neither a robot that lives on nor
-        the base station knows at the end.
+        Explorable area that was seen only by robots that died, and that neither a surviving robot
+        nor the base station knows at the end.
     lost_area_by_robot_m2 : tuple of float
-        The part of it that each robot saw; what two of the dead saw counts for both.
+        The part of it that each robot saw; area seen by two dead robots counts for both.
     known_to_one_m2s : float
-        Time integral of the area that only one robot knew, and not the base station (m2 s), up to
-        the horizon: what its loss would have cost.
+        Time integral (m2 s), up to the horizon, of the area that only one robot and not the base
+        station knew: the area that would have been lost with the robot.
     known_to_one_by_robot_m2s : tuple of float
         The same for each robot.
     known_to_one_m2 : float
         The area that only one robot knew at the end, whichever robot it was.
     delivered_coverage : float or None
         Share of the explorable area that the base station knew at the end, from 0 to 1: covered
-        by nodes that came to it in messages. None, as all that follows up to `carrying_s`, in a
-        run without a base station; see `multisrt.analysis.delivery`.
+        by nodes that it received in messages. This and the next measures up to `carrying_s` are
+        None in a run without a base station; see `multisrt.analysis.delivery`.
     delivered_90_s, delivered_95_s, delivered_99_s : float or None
-        When that share was delivered; None also if it never was.
+        Time at which that share was delivered; None also if it never was.
     base_age_s : float or None
-        Mean age of news: the time between the covering and the delivery of an area, in the mean
-        over the area that was covered; what was not delivered counts up to the horizon.
+        Mean age of news: the time between the covering and the delivery of an area, averaged over
+        the covered area; area that was not delivered counts up to the horizon.
     carrying_s : float or None
-        For how long a robot knew something that the base station did not know, in the mean over
-        all robots.
+        Time during which a robot had undelivered data, averaged over all robots.
     isolated_total_s : float
-        Time during which at least one robot was isolated from all others that took part; see
-        `multisrt.analysis.isolation` for this and what follows.
+        Time during which at least one robot was isolated from all other active robots; see
+        `multisrt.analysis.isolation` for this and the next measures.
     isolated_by_robot_s : tuple of float
-        How long each robot was.
+        The isolation time of each robot.
     isolated_longest_s : float
         Duration of the longest spell of one robot.
     beyond_range_m : float or None
-        The largest distance of an isolated robot to the nearest other one, less the range of the
-        radio; 0 if there was none, None for a radio without a range.
+        The largest distance of an isolated robot to the nearest other one, minus the range of the
+        radio; 0 if there was none, None for a radio of unlimited range.
     split_s : float
         Time during which some robot could not have reached another one.
     messages : int
-        How many messages were sent, whether or not any robot received them; in all measures of
-        messages the base station is a sender and a receiver as a robot is.
+        Number of messages sent, whether or not any robot received them; in all measures of messages
+        the base station counts like a robot.
     deliveries : int
-        How many receivers the messages came to, relayed or not.
+        Number of receptions of messages, relayed or not.
     lost_deliveries : int
-        How many receivers in reach a message did not come to, by loss.
+        Number of receptions within range that failed because of loss.
     bytes_sent : int
         Size of all messages, each counted once.
     messages_by_kind, bytes_by_kind : dict of str to int
@@ -143,40 +142,40 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
     nodes_by_stage : dict of str to int
         The same by how their places were found; see `multisrt.events.NodeAdded`.
     decisions : int
-        How many times robots of the SRT family chose where to go, and user-defined explorers
-        recorded a decision (`Decision` and `Decided` of `multisrt.events`).
+        Number of choices of a goal by robots of the SRT family, and of decisions recorded by
+        user-defined explorers (`Decision` and `Decided` of `multisrt.events`).
     coordinations : int
-        How many times a master organised its group.
+        Number of times that a master organised its group.
     deadlocks : int
-        How many times a master could let no robot go.
+        Number of times that a master could send no robot.
     arcs_closed : dict of str to int
         Frontier arcs that were given up, by reason.
     diagram_left : dict of str to int
-        How often robots that steer by the nearness diagram changed to following their path for the
-        rest of a drive, by reason; see `multisrt.events.DiagramLeft`.
+        Number of times that robots that steer by the nearness diagram changed to following their
+        path for the rest of a drive, by reason; see `multisrt.events.DiagramLeft`.
     bids_by_radius : dict of str to int
-        How often robots with self-bidding chose a goal, by the radius of cohesion; see
+        Number of choices of a goal by robots with self-bidding, by the radius of cohesion; see
         `multisrt.analysis.bids.bids_by_radius`.
     collisions : int
-        Collisions, of which there must be none.
+        Number of collisions; 0 in a valid run.
     protective_stops : int
-        How many motions ended before another robot's body.
+        Number of motions that ended before the body of another robot.
     deaths : int
-        How many robots died.
+        Number of robots that died.
     min_clearance_m : float
         Minimum distance between a body and an obstacle during the run.
     min_distance_between_robots_m : float or None
         Minimum distance between two bodies during the run; None for a single robot.
     lower_bound_s : float
-        No team can have seen the share of the explorable area that this run covered in a shorter
-        time, whatever it knows: the largest of the bounds that follow. See
+        Lower bound on the time in which any team, whatever it knows, can see the share of the
+        explorable area that this run covered: the largest of the next bounds. See
         `multisrt.analysis.bounds`.
     lower_bound_reach_s : float
-        Time to come within range of what is far away.
+        Time to come within range of the farthest area.
     lower_bound_area_s : float
         Time to sweep the area with range finders that never see a point twice.
     lower_bound_witness_s : float or None
-        Time to serve places no two of which are seen at once; None if it was not asked for.
+        Time to visit places no two of which are visible at once; None if not requested.
 
     Examples
     --------
@@ -254,7 +253,7 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
     carrying_s: float | None = None
 
     def reached(self, threshold: float = SUCCESS_COVERAGE) -> bool:
-        """Whether the run was a success: whether it covered enough, however it ended.
+        """Whether the run was successful: it covered enough, however it ended.
 
         Parameters
         ----------
@@ -264,12 +263,12 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
         Raises
         ------
         InvalidInputError
-            If it is not such a share.
+            If the threshold is out of range.
         """
         return self.coverage >= require_threshold(threshold) - ROUNDING
 
     def outline(self) -> list[tuple[str, str]]:
-        """Return the main figures with their names, in words.
+        """Return the main measures with their names, as text.
 
         Returns
         -------

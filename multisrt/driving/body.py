@@ -17,7 +17,7 @@ class Arrived(msgspec.Struct, frozen=True, kw_only=True):
     Attributes
     ----------
     data : tuple of bytes
-        At least one message, each as `send` was given it, in the order in which they arrived.
+        At least one message, each as it was passed to `send`, in the order of arrival.
     time_s : float
         When the last of them arrived, in seconds.
     """
@@ -42,23 +42,23 @@ class Body:
     sense : callable
         Takes nothing; returns a scan. `scan_of_ranges` and `scan_of_polygon` make one.
     move : callable
-        Takes a `Move`: the trajectory to follow and the guard distance. Either it returns when
-        the motion has ended, with where, when, and before which body (`Moved`); or it begins the
-        motion and returns None, and `receive` tells its end.
+        Takes a `Move`: the trajectory to follow and the guard distance. Either it returns a `Moved`
+        when the motion has ended (its place, its time and the body that blocked it), or it starts
+        the motion and returns None; `receive` then reports its end.
     send : callable or None
-        Takes a message as bytes and the number of the robot that it is for, or None for all.
-        None: the robot has no radio.
+        Takes a message as bytes and the number of the receiving robot, or None for all. None: the
+        robot has no radio.
     receive : callable or None
         Takes a time of the clock, which may be infinite. It returns `Arrived` when messages have
-        come, `Moved` when a motion has ended, `TimedOut` when that time has come, or None if
-        none of these has happened yet: then it is called again. It may wait. None: nothing ever
-        comes.
+        arrived, `Moved` when a motion has ended, `TimedOut` at that time, or None if none of these
+        has happened yet, in which case it is called again. It may wait. None: no message ever
+        arrives.
     look : callable or None
-        Takes nothing; returns a `Sighting` of each other robot that is seen. None: there are no
-        others, or they are not seen.
+        Takes nothing; returns a `Sighting` of each visible robot. None: there are no other robots,
+        or they cannot be detected.
     stop : callable or None
-        Takes nothing; ends the present motion and returns `Moved`. It is needed if `move`
-        returns None and the explorer stops on the way.
+        Takes nothing; ends the present motion and returns `Moved`. Needed if `move` returns None
+        and the explorer stops motions.
     """
 
     sense: Callable[[], Scan]

@@ -1,7 +1,7 @@
 """Explorers outside the simulation: `drive` and `Driver`.
 
-An explorer yields actions and is sent their outcomes. Here they are carried out by callables that
-the user supplies, which command any body: a real robot, or a robot in another simulator.
+An explorer yields actions and receives their outcomes. Here the actions are executed by callables
+supplied by the user, which command a real robot or a robot in another simulator.
 """
 
 from __future__ import annotations
@@ -60,22 +60,23 @@ def drive(
     note: Callable[[AnyEvent], object] | None = None,
     on_call_s: float = 60.0,
 ) -> Driver:
-    """Run an explorer on a robot outside the simulation until the explorer is done.
+    """Run an explorer on a robot outside the simulation, until it is done.
 
     Parameters
     ----------
     strategy : str, Strategy, class or callable
-        The name of a strategy, a strategy, or what builds an explorer from `me` and `options`.
+        A strategy, its name, or a class or function that builds an explorer from `me` and
+        `options`.
     me : RobotSelf
-        What the robot knows of itself before it begins.
+        What the robot knows about itself before it begins.
     sense, move, send, receive, look, stop : callable
-        What commands the body; see `Body`.
+        Callables that command the body; see `Body`.
     options : mapping, optional
         Options of the strategy that differ from its defaults.
     note : callable, optional
         Called with each event that the explorer records.
     on_call_s : float, optional
-        How long a robot of a team that is done and on call waits for messages, in seconds.
+        Time in seconds for which a robot that is done and on call waits for messages.
 
     Returns
     -------
@@ -85,9 +86,9 @@ def drive(
     Raises
     ------
     InvalidInputError
-        If a callable returns what it may not, or one is missing that the explorer needs.
+        If a callable returns an invalid value, or one that the explorer needs is missing.
     ExplorerDefect
-        If the explorer yields something that cannot be done.
+        If the explorer yields an impossible action.
 
     Examples
     --------
@@ -121,7 +122,7 @@ def drive(
 
 
 class Driver:
-    """Runs one explorer on one body, as far as the body has something to report.
+    """Runs one explorer on one body, as long as the body has something to report.
 
     With several robots in one process, a loop calls `poll` of each in turn.
 
@@ -130,18 +131,18 @@ class Driver:
     strategy, me, options, note, on_call_s
         As for `drive`.
     body : Body
-        What commands the body.
+        The callables that command the body.
 
     Attributes
     ----------
     me : RobotSelf
-        What the robot knew of itself.
+        What the robot knew about itself at the beginning.
     explorer : Explorer
         The explorer.
     time_s : float
-        The time in seconds that the explorer last received.
+        The last time in seconds that the explorer received.
     events : list of Event
-        What has happened: the notes of the explorer, scans, motions, messages and the end.
+        All events: those recorded by the explorer, scans, motions, messages and the end.
     end : Ended or None
         How the explorer ended; None while it explores.
     """
@@ -180,7 +181,7 @@ class Driver:
         Returns
         -------
         bool
-            Whether the explorer may act again: also that of a robot which is done and on call.
+            Whether the explorer may act again; also true if it is done and on call.
         """
         return next(self._loop, False) is not False
 

@@ -190,8 +190,7 @@ def load_results(path: str | Path, *, frame: Package | None = None) -> DataFrame
     Parameters
     ----------
     path : str or Path
-        The file that ``multisrt experiment run`` or `compare` writes; it may be written to
-        meanwhile.
+        The file written by ``multisrt experiment run`` or `compare`, which may still be running.
     frame : {"pandas", "polars"}, optional
         Library of the data frame; by default pandas if it is installed, else polars.
 
@@ -203,7 +202,7 @@ def load_results(path: str | Path, *, frame: Package | None = None) -> DataFrame
     Raises
     ------
     InvalidInputError
-        If the file holds no results, or there is no such package of data frames.
+        If the file contains no results, or `frame` is not supported.
     MissingExtraError
         If neither pandas nor polars is installed (``multisrt[frames]``).
 

@@ -41,7 +41,7 @@ class Result(msgspec.Struct, frozen=True, kw_only=True):
     status : str
         How the run ended; see `Status`.
     reason : str
-        Why it ended, in words.
+        Why it ended, as text.
     digest : str
         Digest of the recording; empty if the run did not come to an end.
     metrics : Metrics or None
@@ -54,17 +54,17 @@ class Result(msgspec.Struct, frozen=True, kw_only=True):
     chance : bool
         Whether any random number was drawn in the run; if not, it is the same for every seed.
     same_as : int or None
-        The repetition that was made, of which this one is a copy: they differ by their seed
-        alone, and nothing in the run depends on it.
+        The repetition of which this one is a copy: they differ only by their seeds, on which
+        nothing in the run depends.
     covered_at_s : tuple of (float or None)
-        Simulated time (s) at which 0, 1, ..., 100 % of the explorable area were covered; None
-        where that never happened.
+        Simulated time (s) at which 0, 1, ..., 100 % of the explorable area were covered; None if
+        it was never reached.
     delivered_at_s : tuple of (float or None)
-        The same of what the base station knew; empty without one.
+        The same for the area known to the base station; empty without one.
     reference : Reference or None
-        What the informed plan took with the same team from the same starts; None without one.
+        Times of the informed plan with the same team and starts; None without one.
     no_reference : str
-        Why there is none; empty if there is one, or none was made yet.
+        Why there is no reference; empty if there is one, or if it has not been computed yet.
     computing_s, wall_s : float
         Computing time and elapsed time of the run (s).
     memory_mb : float

@@ -1,9 +1,9 @@
-"""Recordings: all that happened in a run, one JSON object a line, written during the run.
+"""Recordings: all events of a run, one JSON object per line, written during the run.
 
 The first line is a `Header`: the format and its version, the spec, the world, and the versions of
 the packages. The events of `multisrt.events` follow in the order in which they were recorded. The
-last line is a `Footer`: how the run ended, and the digest. A recording without a footer is of a
-run that was cut off.
+last line is a `Footer`: how the run ended, and the digest. A recording without a footer belongs to
+a run that was interrupted.
 
 The digest is the SHA-256 of the spec, the world and every event line: equal specs give equal
 digests, in any process and on any machine of the same architecture with the same packages.

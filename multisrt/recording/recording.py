@@ -28,17 +28,17 @@ EventT = TypeVar("EventT", bound=Event)
 
 @dataclass(frozen=True, slots=True, weakref_slot=True, kw_only=True, eq=False)
 class Recording:
-    """All that happened in a run.
+    """All events of a run.
 
     Attributes
     ----------
     header : Header
-        What was run.
+        The spec, the world and the versions of packages.
     events : tuple of Event
-        What happened, in the order in which it was recorded: a motion when it ended, all else
-        when it happened.
+        The events in the order in which they were recorded: motions at their end, all others when
+        they happen.
     footer : Footer
-        How it ended.
+        How the run ended.
 
     Examples
     --------
@@ -96,7 +96,7 @@ class Recording:
 
     @property
     def spec(self) -> RunSpec:
-        """Everything that the run depends on."""
+        """The spec of the run."""
         return self.header.spec
 
     @property
@@ -105,7 +105,7 @@ class Recording:
         return tuple(Configuration(*start) for start in self.header.starts)
 
     def environment(self) -> Environment:
-        """Return the world that was explored, rebuilt.
+        """Return the world that was explored.
 
         Returns
         -------
@@ -160,7 +160,7 @@ class Recording:
         Raises
         ------
         InvalidInputError
-            If the file cannot be read, is not a recording, is of a run that was cut off, or was
+            If the file cannot be read, is not a recording, is of an interrupted run, or was
             changed after the run; the message names the line, or the digests that differ.
         """
         path = Path(path)

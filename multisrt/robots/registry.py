@@ -1,7 +1,7 @@
 """The registry of strategies: from a name to the factory of a robot's explorer.
 
-Other packages add their own by an entry point in the group ``multisrt.strategies`` that names a
-`Strategy`, or by `register`.
+Other packages add strategies with `register`, or with an entry point in the group
+``multisrt.strategies`` that refers to a `Strategy`.
 """
 
 from __future__ import annotations
@@ -20,21 +20,21 @@ if TYPE_CHECKING:
 
 
 def register(strategy: Strategy | Callable[..., Explorer], *, replace: bool = False) -> None:
-    """Make a strategy known by its name, for this process.
+    """Make a strategy available by its name in this process.
 
     Parameters
     ----------
     strategy : Strategy, type or callable
-        The strategy, or what `Strategy.of` makes one of: the class of an explorer, or a function
-        that builds one.
+        The strategy, or an argument of `Strategy.of`: the class of an explorer, or a function that
+        builds one.
     replace : bool
-        Whether it takes the place of one with the same name that was registered before, as when
-        a notebook's cell runs again. Built-in strategies are not replaced.
+        Whether it replaces a strategy registered before under the same name, for example when a
+        notebook cell is executed again. Built-in strategies cannot be replaced.
 
     Raises
     ------
     InvalidInputError
-        If there is another strategy of that name already.
+        If there already is another strategy with that name.
 
     Examples
     --------
@@ -58,7 +58,7 @@ def register(strategy: Strategy | Callable[..., Explorer], *, replace: bool = Fa
 
 
 def is_built_in(name: str) -> bool:
-    """Whether a strategy of this package has a name.
+    """Whether a name is that of a strategy of this package.
 
     Parameters
     ----------
@@ -68,7 +68,7 @@ def is_built_in(name: str) -> bool:
     Returns
     -------
     bool
-        False for those of other packages and those that were registered.
+        False for strategies of other packages and for registered ones.
 
     Examples
     --------
@@ -79,7 +79,7 @@ def is_built_in(name: str) -> bool:
 
 
 def is_known(name: str) -> bool:
-    """Whether there is a strategy of a name, built in or not.
+    """Whether there is a strategy with a name, built in or not.
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ def is_known(name: str) -> bool:
 
 @contextmanager
 def registered(strategy: Strategy) -> Iterator[None]:
-    """Register a strategy within a ``with`` block, in place of one that has its name.
+    """Register a strategy within a ``with`` block, replacing one with the same name.
 
     Parameters
     ----------
@@ -121,7 +121,7 @@ def registered(strategy: Strategy) -> Iterator[None]:
 
 
 def strategies() -> tuple[Strategy, ...]:
-    """Return all strategies: those of this package first, then those of others.
+    """Return all strategies: first those of this package, then all others.
 
     Returns
     -------
@@ -137,7 +137,7 @@ def strategies() -> tuple[Strategy, ...]:
 
 
 def strategy(name: str) -> Strategy:
-    """Return the strategy of a name.
+    """Return the strategy with a name.
 
     Parameters
     ----------
@@ -152,7 +152,7 @@ def strategy(name: str) -> Strategy:
     Raises
     ------
     InvalidInputError
-        If there is none; the message lists all.
+        If there is none; the message lists all names.
 
     Examples
     --------
@@ -176,7 +176,7 @@ def strategy(name: str) -> Strategy:
 
 
 def broken_strategies() -> Mapping[str, str]:
-    """Return why entry points of other packages could not be loaded, by name.
+    """Return the errors of entry points that could not be loaded, by name.
 
     Returns
     -------

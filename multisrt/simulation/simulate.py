@@ -1,9 +1,9 @@
 """The simulation: an interpreter of explorers' actions over a discrete-event clock.
 
-It holds the truth. It moves bodies along their trajectories, takes their scans, carries their
-messages, injects the faults of the spec, and checks every motion against the world and all other
-bodies. It proceeds from event to event: the cost of a run depends on what happens in it, not on
-how long that takes.
+It holds the true state. It moves bodies along their trajectories, takes their scans, delivers
+their messages, injects the faults of the spec, and checks every motion against the world and all
+other bodies. It advances from event to event: the cost of a run depends on the number of events,
+not on the simulated time.
 """
 
 from __future__ import annotations
@@ -36,21 +36,21 @@ def simulate(
     spec : RunSpec
         Everything that the run depends on.
     environment : Environment, optional
-        The world that `spec.environment` describes, if it has been built already.
+        The world described by `spec.environment`, if it has been built already.
     path : path, optional
         File to which the recording is written during the run.
     watch : callable, optional
         Called with every event as it is recorded.
     planning : callable, optional
-        Called with the share that is done while a strategy that sees the truth plans the run.
+        Called with the completed share while a strategy that knows the true map plans the run.
     look : callable, optional
         Called before the first event and after every event of the clock, between decisions, with a
-        function that returns the recording as if the run were cut off now.
+        function that returns the recording of the run up to the present time.
 
     Returns
     -------
     Recording
-        All that happened. An exploration that stalls or runs out of time is a result, too.
+        The recording. An exploration that stalls or runs out of time is a result, not an error.
 
     Raises
     ------
@@ -58,7 +58,7 @@ def simulate(
         If the spec cannot be run (the world, a start, the strategy or its options), or if `path`
         cannot be written.
     ExplorerDefect
-        If an explorer yields something that it cannot do; it is an `InvalidInputError`, too.
+        If an explorer yields an impossible action; a subclass of `InvalidInputError`.
 
     Examples
     --------

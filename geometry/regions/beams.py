@@ -30,7 +30,7 @@ def sure_reach(range_m: float, beams: int) -> float:
     Examples
     --------
     >>> round(sure_reach(4.0, 360), 3), round(sure_reach(4.0, 14), 3)
-    (3.915, 1.751)
+    (3.916, 1.751)
     """
     half = math.pi / beams
     return range_m * (math.cos(half) - math.sin(half) / math.tan(0.5 * MIN_CORNER_RAD))

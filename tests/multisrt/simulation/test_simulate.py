@@ -112,12 +112,12 @@ def test_an_explorer_is_given_its_team(act):
 
 
 def test_a_laser_scan_has_ranges(drive):
-    robot = RobotSpec(start=(1.0, 1.0), range_finder=RangeFinderSpec(range_m=3.0, beams=8))
+    robot = RobotSpec(start=(1.0, 1.0), range_finder=RangeFinderSpec(range_m=3.0, beams=16))
     _, explorer = drive(Sense(), Done(complete=True, reason=""), robot=robot)
     scan = explorer.told[0]
     assert isinstance(scan, LaserScan)
     # Walls 1 m to the left and below; the corner between them at the root of two; else nothing.
-    assert scan.ranges[[4, 5, 6]] == pytest.approx([1.0, math.sqrt(2.0), 1.0])
+    assert scan.ranges[[8, 10, 12]] == pytest.approx([1.0, math.sqrt(2.0), 1.0])
     assert math.isinf(scan.ranges[0])
 
 

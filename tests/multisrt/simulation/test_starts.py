@@ -19,10 +19,11 @@ from multisrt.simulation.random_streams import random_stream
 from multisrt.simulation.rooms import nearest_room
 from multisrt.simulation.starts import starts_of
 from multisrt.simulation.worlds import inline
-from multisrt.spec import DriveSpec, RobotSpec, RunSpec
+from multisrt.spec import DriveSpec, RangeFinderSpec, RobotSpec, RunSpec
 
 HALL = Environment("hall", shapely.box(0, 0, 12, 8))
 PILLAR = Environment("pillar", HALL.free.difference(shapely.box(4, 2, 6, 4)))
+FAR = RangeFinderSpec(range_m=8.0)
 BODIES = ["disc:0.25", "disc:0.4", "box:0.6x0.4", "polygon:-0.2,-0.2 0.6,-0.2 0.1,0.5 -0.2,0.5"]
 
 
@@ -93,7 +94,7 @@ def test_a_body_that_does_not_fit_at_its_start_is_refused():
     with pytest.raises(ClearanceError, match="not in the free space"):
         starts(HALL, [RobotSpec(start=(-1, 4))])
     with pytest.raises(InvalidInputError, match="fits nowhere"):
-        starts(HALL, team(1, footprint="disc:5"))
+        starts(HALL, team(1, footprint="disc:5", range_finder=FAR))
 
 
 def test_a_start_inside_an_obstacle_is_refused():
@@ -126,7 +127,7 @@ def test_a_start_that_is_refused_has_a_place_near_by(x, y, body, turn):
 
 def test_no_place_is_named_where_a_body_fits_nowhere():
     with pytest.raises(ClearanceError, match="disc:4 has room in every heading nowhere"):
-        start_of(RobotSpec(start=(-1.0, 3.0), footprint="disc:4"), HALL)
+        start_of(RobotSpec(start=(-1.0, 3.0), footprint="disc:4", range_finder=FAR), HALL)
 
 
 def test_a_start_on_the_border_is_refused():
@@ -162,7 +163,7 @@ def test_whether_a_box_fits_depends_on_its_heading():
 
 def test_a_body_that_fits_nowhere_is_refused():
     with pytest.raises(InvalidInputError, match=r"disc:4\.1 fits nowhere in 'hall'.*4\.1 m"):
-        start_of(RobotSpec(footprint="disc:4.1"), HALL)
+        start_of(RobotSpec(footprint="disc:4.1", range_finder=FAR), HALL)
 
 
 def test_a_suggested_start_is_checked_like_a_given_one():

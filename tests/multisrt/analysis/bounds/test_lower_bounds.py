@@ -95,7 +95,7 @@ def test_robots_reach_with_their_own_speed_and_range():
 
 def test_a_laser_may_be_off_between_its_beams():
     exact, laser = (
-        bounds(CORRIDOR, robot((1.0, 0.5), beams=beams), witnesses=True) for beams in (None, 6)
+        bounds(CORRIDOR, robot((1.0, 0.5), beams=beams), witnesses=True) for beams in (None, 16)
     )
     assert laser.reach_s <= exact.reach_s
     assert laser.witness_s <= exact.witness_s

@@ -49,6 +49,33 @@ def help_with(command: str, description: str, examples: str) -> dict[str, Any]:
     }
 
 
+def add_count(
+    parser: argparse.ArgumentParser, name: str, metavar: str, default: int, minimum: int, about: str
+) -> None:
+    """Add an argument that is a whole number, not below a bound; its help tells the default.
+
+    Parameters
+    ----------
+    parser : ArgumentParser
+        Receives the argument.
+    name, metavar : str
+        The argument and its placeholder, such as ``--workers`` and ``N``.
+    default, minimum : int
+        Its default and its bound.
+    about : str
+        The help, without the default.
+
+    Examples
+    --------
+    >>> parser = parser_of("benchmarks.mine", "Do nothing.", "--seed 3")
+    >>> add_count(parser, "--seed", "S", 0, 0, "seed of the campaign")
+    >>> parser.parse_args(["--seed", "3"]).seed
+    3
+    """
+    about = f"{about} (default: {default})"
+    parser.add_argument(name, type=at_least(minimum), default=default, metavar=metavar, help=about)
+
+
 def at_least(minimum: int) -> Callable[[str], int]:
     """Return the type of an argument that is a whole number, not below a bound.
 

@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
-from benchmarks.arguments import at_least, parser_of
+from benchmarks.arguments import add_count, at_least, parser_of
 from benchmarks.fuzz.judging import judge
 from benchmarks.fuzz.processes import Campaign, run
 from benchmarks.fuzz.report import TITLE, Report, page, total
@@ -39,23 +39,10 @@ PROGRESS_S: Final = 60.0
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run a campaign, or read one input again; exit with 1 if a reader failed."""
     parser = parser_of("benchmarks.fuzz", ABOUT, EXAMPLES)
-    parser.add_argument(
-        "--inputs",
-        type=at_least(1),
-        default=10_000,
-        metavar="N",
-        help="number of inputs over all formats, at least one for each (default: 10000)",
-    )
-    parser.add_argument(
-        "--seed", type=at_least(0), default=0, metavar="S", help="seed of the campaign (default: 0)"
-    )
-    parser.add_argument(
-        "--workers",
-        type=at_least(1),
-        default=1,
-        metavar="N",
-        help="number of processes at a time (default: 1)",
-    )
+    inputs = "number of inputs over all formats, at least one for each"
+    add_count(parser, "--inputs", "N", 10_000, 1, inputs)
+    add_count(parser, "--seed", "S", 0, 0, "seed of the campaign")
+    add_count(parser, "--workers", "N", 1, 1, "number of processes at a time")
     parser.add_argument(
         "--format",
         action="append",

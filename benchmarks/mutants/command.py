@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
-from benchmarks.arguments import at_least, parser_of
+from benchmarks.arguments import add_count, parser_of
 from benchmarks.mutants.campaigns import Campaigns
 from benchmarks.mutants.catalogue import CONTROL, MUTANTS
 from benchmarks.mutants.findings import Finding, Findings, key_of
@@ -50,27 +50,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument(
         "--page", action="store_true", help=f"write {PAGE.name} from what is kept, and try none"
     )
-    parser.add_argument(
-        "--missions",
-        type=at_least(1),
-        default=3000,
-        metavar="N",
-        help="missions of each, if none fails (default: 3000)",
-    )
-    parser.add_argument(
-        "--workers",
-        type=at_least(1),
-        default=1,
-        metavar="N",
-        help="number of processes (default: 1)",
-    )
-    parser.add_argument(
-        "--seed",
-        type=at_least(0),
-        default=0,
-        metavar="S",
-        help="seed of the campaigns (default: 0)",
-    )
+    add_count(parser, "--missions", "N", 3000, 1, "missions of each, if none fails")
+    add_count(parser, "--workers", "N", 1, 1, "number of processes")
+    add_count(parser, "--seed", "S", 0, 0, "seed of the campaigns")
     parser.add_argument(
         "--out",
         type=Path,

@@ -52,15 +52,16 @@ def drives_get_somewhere(run: JudgedRun) -> Violation | None:
     for robot in run.robots:
         steps = np.unique([0.0, *shared, *_own_steps(run, robot), run.end_s])
         driven_m = np.diff(_driven_m(run, robot, steps))
-        longest = int(driven_m.argmax()) if len(driven_m) else 0
-        if len(driven_m) and driven_m[longest] > limit_m:
-            return Violation(
-                invariant=NAME,
-                says=f"robot {robot} drives {driven_m[longest]:.1f} m from {steps[longest]:.2f} s "
-                f"to {steps[longest + 1]:.2f} s, without progress; all walls are {limit_m:.1f} m",
-                robot=robot,
-                time_s=float(steps[longest]),
-            )
+        if not (driven_m > limit_m).any():
+            continue
+        longest = int(driven_m.argmax())
+        return Violation(
+            invariant=NAME,
+            says=f"robot {robot} drives {driven_m[longest]:.1f} m from {steps[longest]:.2f} s "
+            f"to {steps[longest + 1]:.2f} s, without progress; all walls are {limit_m:.1f} m",
+            robot=robot,
+            time_s=float(steps[longest]),
+        )
     return None
 
 

@@ -333,8 +333,8 @@ class FrontierExplorer:
     def judge_no_path(self, goal: Goal) -> Steps:
         """Give a goal up if the path to it was not free too often; see `Progress.note_no_path`.
 
-        If what bars the path may be in a scan that is not on the map, it looks first, and adds what
-        it sees.
+        If the last scan is not on the map, the obstacle may be in it: the robot first takes a scan
+        and adds it to the map.
         """
         robot = self.robot
         robot.course.note_no_path()

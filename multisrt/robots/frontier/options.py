@@ -25,7 +25,7 @@ class FrontierOptions(PursuitOptions, frozen=True, kw_only=True, forbid_unknown_
         Number of equal cones of a star.
     sense : {"moving", "targets"}
         Whether the robot takes scans for its map while it drives, or only at its goals and where
-        it would give one up as no path to it is free.
+        it would give one up because no path to it is free.
     sense_period_s : float
         Time between two scans that are added to the map while driving, in seconds.
     min_frontier_m : float or None

@@ -44,8 +44,10 @@ INTEGERS: Final[tuple[int, ...]] = (
 )
 """Replacements of integers in binary files, modulo their size."""
 
-TOKEN: Final = re.compile(rb"\d+\.?\d*(?:[eE][+-]?\d+)?|[A-Za-z_][\w-]*|\s+|[^\w\s]|[^\x00-\x7f]+")
-NUMERIC: Final = re.compile(rb"\d")
+NUMERIC: Final = re.compile(rb"\d+\.?\d*(?:[eE][+-]?\d+)?")
+TOKEN: Final = re.compile(NUMERIC.pattern + rb"|[A-Za-z_][\w-]*|\s+|[^\w\s]|[^\x00-\x7f]+")
+LONGEST_NUMBER: Final = 20
+"""Number of bytes of a number that are read when it is multiplied."""
 
 Mutation = Callable[[bytes, Generator, Sequence[bytes], Sequence[bytes]], bytes]
 """Takes a content, the generator, the seeds of the format and its dictionary."""
@@ -176,7 +178,9 @@ def _with_other_number(tokens: list[bytes], rng: Generator) -> bytes:
         case 2:
             tokens[at] = b"%d" % rng.integers(-3, 20)
         case 3:
-            tokens[at] = b"%.3g" % (float(tokens[at][:20]) * float(rng.normal(1.0, 0.5)))
+            # What is left of a number that is cut within its exponent is one, too.
+            number = NUMERIC.findall(tokens[at][:LONGEST_NUMBER])[0]
+            tokens[at] = b"%.3g" % (float(number) * float(rng.normal(1.0, 0.5)))
         case _:
             tokens[at] = tokens[pick(rng, places)]
     return b"".join(tokens)

@@ -2,6 +2,7 @@ import copy
 import ctypes
 import json
 import os
+import re
 import signal
 import sqlite3
 import time
@@ -17,7 +18,7 @@ from benchmarks.fuzz import judging
 from benchmarks.fuzz.command import main, report_of, shares, write
 from benchmarks.fuzz.flaws import flaw_of_message, flaw_of_world
 from benchmarks.fuzz.judging import Outcome, Verdict, judge
-from benchmarks.fuzz.mutations import MAX_BYTES
+from benchmarks.fuzz.mutations import MAX_BYTES, of_text
 from benchmarks.fuzz.processes import Campaign
 from benchmarks.fuzz.report import Report
 from benchmarks.fuzz.tables import of_sqlite
@@ -113,6 +114,13 @@ def test_inputs_follow_from_their_number():
         assert first == [target.input(3, number) for number in numbers]
         assert first != [target.input(4, number) for number in numbers]
         assert max(len(one.content) for one in first) <= MAX_BYTES + 8
+
+
+def test_numbers_are_multiplied_however_long_they_are():
+    text = b"1.4453986005980007e+00"
+    changes = {of_text(text, np.random.default_rng(k), [text], [b"x"]) for k in range(2000)}
+    multiplied = [c for c in changes if re.fullmatch(rb"-?[0-9.]+", c)]
+    assert len(multiplied) > 20
 
 
 def test_the_first_inputs_are_the_seeds():

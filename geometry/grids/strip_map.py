@@ -146,16 +146,26 @@ class StripMap:
 
     def runs(self, label: int) -> Runs:
         """Return all that has a label as one region."""
-        columns = np.arange(self._labels.shape[1])
-        rows, columns = np.nonzero((self._labels == label) & (columns < self._counts[:, None]))
-        last = columns + 1 == self._counts[rows]
-        ends = self._begins[rows, np.minimum(columns + 1, self._begins.shape[1] - 1)]
-        return Runs(
-            np.array([0, len(rows)]),
-            rows,
-            self._begins[rows, columns],
-            np.where(last, np.inf, ends),
-        )
+        return Runs(*_runs_with(label, self._counts, self._begins, self._labels))
+
+
+@kernel
+def _runs_with(
+    label: int, counts: IntArray, begins: FloatArray, labels: Labels
+) -> tuple[IntArray, IntArray, FloatArray, FloatArray]:
+    room = 0
+    for row in range(counts.shape[0]):
+        for k in range(counts[row]):
+            room += labels[row, k] == label
+    strip, begin, end = np.empty(room, np.int64), np.empty(room), np.empty(room)
+    n = 0
+    for row in range(counts.shape[0]):
+        for k in range(counts[row]):
+            if labels[row, k] == label:
+                strip[n], begin[n] = row, begins[row, k]
+                end[n] = begins[row, k + 1] if k + 1 < counts[row] else np.inf
+                n += 1
+    return np.array([0, room]), strip, begin, end
 
 
 @kernel

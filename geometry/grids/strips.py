@@ -105,7 +105,7 @@ class Runs(NamedTuple):
     end: FloatArray
 
 
-def runs_of(cut: Strips, regions: Sequence[FloatArray]) -> Runs:
+def runs_of(cut: Strips, regions: Sequence[FloatArray], wanted: Runs | None = None) -> Runs:
     """Return the intervals of regions on strips, by the even-odd rule.
 
     Parameters
@@ -115,6 +115,9 @@ def runs_of(cut: Strips, regions: Sequence[FloatArray]) -> Runs:
     regions : sequence of (k, 2) array
         Corners of each region in metres; the last is joined to the first. A region without
         corners has no intervals.
+    wanted : Runs, optional
+        A single region, its intervals by strip: on strips on which none of them overlaps the
+        extent of a region, that region is left out. Default: no strip is left out.
 
     Returns
     -------
@@ -131,7 +134,7 @@ def runs_of(cut: Strips, regions: Sequence[FloatArray]) -> Runs:
     """
     sizes = [len(region) for region in regions]
     corners = cut.frame(np.concatenate(regions)) if sizes else np.empty((0, 2))
-    return Runs(*_runs(corners, np.cumsum([0, *sizes]), cut.middles))
+    return Runs(*_runs(corners, np.cumsum([0, *sizes]), cut.middles, wanted))
 
 
 def runs_of_polygon(cut: Strips, polygon: Polygon) -> Runs:
@@ -172,7 +175,7 @@ def clipped(runs: Runs, masks: IntArray) -> Runs:
 
 @kernel
 def _runs(
-    corners: FloatArray, starts: IntArray, middles: FloatArray
+    corners: FloatArray, starts: IntArray, middles: FloatArray, wanted: Runs | None
 ) -> tuple[IntArray, IntArray, FloatArray, FloatArray]:
     regions = starts.shape[0] - 1
     firsts = np.zeros(regions + 1, np.int64)
@@ -181,8 +184,10 @@ def _runs(
     n = 0
     ring = np.zeros(2, np.int64)
     for k in range(regions):
-        ring[1] = starts[k + 1] - starts[k]
-        low, offsets, crossings = _crossings(corners[starts[k] : starts[k + 1]], ring, middles)
+        region = corners[starts[k] : starts[k + 1]]
+        ring[1] = region.shape[0]
+        rows = _rows_of(region, middles, wanted)
+        low, offsets, crossings = _crossings(region, ring, middles[rows])
         needed = n + crossings.shape[0] // 2
         while needed > room:
             room *= 2
@@ -191,10 +196,30 @@ def _runs(
         for r in range(offsets.shape[0] - 1):
             for i in range(offsets[r], offsets[r + 1] - 1, 2):
                 if crossings[i + 1] > crossings[i]:
-                    strip[n], begin[n], end[n] = low + r, crossings[i], crossings[i + 1]
+                    strip[n], begin[n], end[n] = rows[low + r], crossings[i], crossings[i + 1]
                     n += 1
         firsts[k + 1] = n
     return firsts, strip[:n].copy(), begin[:n].copy(), end[:n].copy()
+
+
+@kernel
+def _rows_of(corners: FloatArray, middles: FloatArray, wanted: Runs | None) -> IntArray:
+    # The strips on which a region has intervals that are wanted, or more.
+    if corners.shape[0] == 0:
+        return np.empty(0, np.int64)
+    low = np.searchsorted(middles, corners[:, 1].min())
+    high = np.searchsorted(middles, corners[:, 1].max())
+    if wanted is None:
+        return np.arange(low, high)
+    left, right = corners[:, 0].min(), corners[:, 0].max()
+    rows = np.empty(high - low, np.int64)
+    n = 0
+    for i in range(np.searchsorted(wanted.strip, low), np.searchsorted(wanted.strip, high)):
+        overlaps = wanted.begin[i] < right and left < wanted.end[i]
+        if overlaps and (n == 0 or rows[n - 1] < wanted.strip[i]):
+            rows[n] = wanted.strip[i]
+            n += 1
+    return rows[:n].copy()
 
 
 @kernel

@@ -40,9 +40,10 @@ TILTS_RAD = tuple(0.15 + k * math.pi / 8.0 for k in range(8))
 ALONG_RAD = 0.1
 """Walls whose direction differs by less from that of the strips run along them."""
 
-SPACING_M = 0.05
-"""Maximum distance between neighbouring viewpoints on the border of what a body can reach, in
-metres, where it makes a difference."""
+MIN_SPACING_M, SPACING_SHARE = 0.05, 2e-4
+"""Maximum distance between neighbouring viewpoints on the border of what a body can reach, where it
+makes a difference: in metres, or, in large worlds, as a share of the side of a square of the same
+area."""
 
 OUTLINE_M = 5e-4
 """Viewpoints lie at most this far beyond the border, where it bends, in metres."""
@@ -218,7 +219,8 @@ def _seen_from(environment: Environment, places: _Places, range_m: float) -> Run
     # Ring by ring: together they take GEOS far more time and memory.
     rings = shapely.get_parts(places.reachable.boundary)
     outline = shapely.simplify(rings, OUTLINE_M)
-    border = shapely.get_coordinates(shapely.segmentize(outline, SPACING_M))
+    spacing_m = max(MIN_SPACING_M, SPACING_SHARE * math.sqrt(places.component.area))
+    border = shapely.get_coordinates(shapely.segmentize(outline, spacing_m))
     taken = np.zeros(len(border), np.bool_)
     for step in COARSER:
         chosen = np.flatnonzero(~taken[::step]) * step
@@ -226,7 +228,8 @@ def _seen_from(environment: Environment, places: _Places, range_m: float) -> Run
         taken[chosen] = True
         for first in range(0, len(chosen), VIEWPOINTS_AT_ONCE):
             viewpoints = border[chosen[first : first + VIEWPOINTS_AT_ONCE]]
-            plane.relabel(runs_of(cut, visibility_polygons(index, viewpoints, range_m)), see)
+            regions = visibility_polygons(index, viewpoints, range_m)
+            plane.relabel(runs_of(cut, regions, plane.runs(unseen)), see)
     return plane.runs(seen)
 
 

@@ -68,6 +68,28 @@ def test_regions_may_come_in_any_order_and_more_than_once():
     assert history[:, 1:] == pytest.approx(np.array([(16, 0), (24, 0), (24, 0), (8, 16)]))
 
 
+@pytest.mark.parametrize("seed", range(8))
+def test_intervals_that_are_not_wanted_change_nothing(seed):
+    rng = np.random.default_rng(seed)
+    cut = strips(FRAME, 0.3, 0.19)
+    fans = [rng.uniform(0, 20, (5, 2)) for _ in range(12)]
+    unseen, seen = 1, 2
+    planes = [StripMap(cut, 3), StripMap(cut, 3)]
+    for plane in planes:
+        plane.relabel(runs_of(cut, [box(2, 3, 7, 5), box(4, 12, 19, 13)]), [[unseen, unseen, seen]])
+    wanted = planes[0].runs(unseen)
+    all_runs, some = runs_of(cut, fans), runs_of(cut, fans, wanted)
+    assert len(some.strip) < 0.7 * len(all_runs.strip)
+    histories = [
+        plane.relabel(runs, [[OUTSIDE, seen, seen]])
+        for plane, runs in zip(planes, (all_runs, some), strict=True)
+    ]
+    assert histories[0].tolist() == histories[1].tolist()
+    assert histories[0][-1, seen] > 1.0
+    for one, other in zip(planes[0].runs(seen), planes[1].runs(seen), strict=True):
+        assert one.tolist() == other.tolist()
+
+
 def test_what_has_a_label_is_one_region():
     cut = strips(FRAME, 0.5)
     plane = StripMap(cut, 2)

@@ -197,8 +197,8 @@ def robot_options(robot: FrontierRobot) -> RulesOptions:
 
 
 def _nearest(middles: FloatArray, value: float, width: float) -> int:
-    # With few beams a robot may see nothing, and know only what others told it, far away: then it
-    # stands outside of its map.
+    # A robot that sees hardly farther than its body reaches may see the centre of no cell, and know
+    # only what others told it, far away: then it stands outside of its map.
     return min(max(round((value - float(middles[0])) / width), 0), len(middles) - 1)
 
 

@@ -409,15 +409,17 @@ def test_other_strategies_say_nothing_of_aims():
 
 
 def test_a_robot_that_sees_nothing_searches_from_the_nearest_cell():
-    # Nine beams show no cell in which the body surely has room: robot 1 knows only what robot 0
-    # tells it from afar.
-    nine_beams = RangeFinderSpec(range_m=1.0, beams=9)
-    blind = RobotSpec(start=(7.0, 7.0), footprint="disc:0.11", range_finder=nine_beams)
+    # Robot 1 sees hardly farther than its body reaches, and the centres of coarse cells are farther
+    # away: it knows only what robot 0 tells it, and stands outside of its map.
+    blind = RobotSpec(
+        start=(6.93, 7.04), footprint="disc:0.11", range_finder=RangeFinderSpec(range_m=0.12)
+    )
     spec = RunSpec(
         environment=CatalogEnvironment(name="open", parameters={"size_m": 8.0}),
         strategy="rules",
+        options={"cell_m": 0.22},
         robots=(RobotSpec(start=(1.0, 1.0)), blind),
-        stop=StopRule(max_time_s=20.0),
+        stop=StopRule(max_time_s=3.0),
     )
     assert any(chosen.robot == 1 for chosen in ms.simulate(spec).of(GoalChosen))
 

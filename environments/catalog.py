@@ -99,7 +99,7 @@ def summaries() -> dict[str, str]:
     return {name: summary for name, (_, summary) in (_GENERATORS | _MAPS).items()}
 
 
-def environment(name: str, *, seed: int | None = None, **parameters: float) -> "Environment":
+def environment(name: str, /, *, seed: int | None = None, **parameters: float) -> "Environment":
     """Return a world of the catalog.
 
     Parameters

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 from multisrt.environments.environment import Environment
@@ -118,9 +119,8 @@ free space is (4, 4.99), 1.01 m from there
         place = nearest_room(environment, POINT, x, y)
         instead = "choose a place in free space"
         if place is not None:
-            away = ((place[0] - x) ** 2 + (place[1] - y) ** 2) ** 0.5
             instead = (
                 f"the nearest place in free space is ({place[0]:g}, {place[1]:g}), "
-                f"{away:.3g} m from there"
+                f"{math.dist(place, (x, y)):.3g} m from there"
             )
         raise ClearanceError(f"the base station {error}; {instead}", error.clearance_m) from None

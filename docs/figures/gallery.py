@@ -18,6 +18,7 @@ STRATEGIES = [
     "utility",
     "self-bidding",
     "rules",
+    "gain",
 ]
 
 

@@ -90,28 +90,28 @@ def _require_talk(spec: RunSpec) -> None:
         )
 
 
-_SRT = "Sensor-based Random Tree; safe regions "
+_SRT = "Sensor-based Random Tree; safe regions are "
 
 BUILT_IN = (
-    _strategy("srt-ball", f"{_SRT}are discs of the smallest reading", BallOptions, _require_reach),
-    _strategy("srt-star", f"{_SRT}are stars of equal cones", MultiSrtOptions, _require_reach),
-    _strategy("srt-radial", f"{_SRT}keep every reading", MultiSrtOptions, _require_reach),
-    _bids("closest", "Every robot to its nearest frontier", BiddingOptions),
-    _bids("greedy", "Shortest paths first, each frontier once", BiddingOptions),
-    _bids("minpos", "To the frontier to which the fewest robots are nearer", BiddingOptions),
-    _bids("utility", "A leader weighs view against path length", UtilityOptions, _require_talk),
+    _strategy("srt-ball", f"{_SRT}discs of the smallest reading", BallOptions, _require_reach),
+    _strategy("srt-star", f"{_SRT}stars of equal cones", MultiSrtOptions, _require_reach),
+    _strategy("srt-radial", f"{_SRT}stars that keep every reading", MultiSrtOptions, _require_reach),
+    _bids("closest", "Each robot goes to its nearest frontier", BiddingOptions),
+    _bids("greedy", "Frontiers are assigned to robots at increasing path length", BiddingOptions),
+    _bids("minpos", "Each robot goes to the frontier to which the fewest others are nearer", BiddingOptions),
+    _bids("utility", "A leader assigns frontiers by unknown area in view and path length", UtilityOptions, _require_talk),
     _bids(
         "self-bidding",
-        "SBX-R: bids for the whole team, which favour targets within radio range",
+        "SBX-R: each robot bids for the whole team, and favours staying in touch",
         SelfBiddingOptions,
         _require_talk,
     ),
     _strategy(
         "rules",
-        "Álvarez: scores of unexplored cells, right of way, and swaps of goals",
+        "Álvarez: scores of unexplored cells, right of way, and exchange of goals",
         RulesOptions,
         _require_talk,
     ),
-    _bids("gain", "Much unknown area for a short way, first things first", GainOptions),
+    _bids("gain", "Large unknown areas at short paths, on a short tour of the rest", GainOptions),
 )
 """All of them but `informed`, which sees the truth."""

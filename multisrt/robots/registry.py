@@ -157,7 +157,7 @@ def strategy(name: str) -> Strategy:
     Examples
     --------
     >>> strategy("minpos").summary
-    'To the frontier to which the fewest robots are nearer'
+    'Each robot goes to the frontier to which the fewest others are nearer'
     """
     registered = _registry()
     if name not in registered:

@@ -190,7 +190,7 @@ def test_zsh_and_fish_are_told_whole_words_and_summaries(monkeypatch, folder):
     assert completed(Zsh, line, monkeypatch) == ["plain", "--option=approach=false", "_"]
     assert completed(Fish, line, monkeypatch) == ["plain,--option=approach=false"]
     line = "multisrt explore --strategy minp"
-    summary = "To the frontier to which the fewest robots are nearer"
+    summary = "Each robot goes to the frontier to which the fewest others are nearer"
     assert completed(Zsh, line, monkeypatch) == ["plain", "minpos", summary]
     assert completed(Fish, line, monkeypatch) == [f"plain,minpos\t{summary}"]
 

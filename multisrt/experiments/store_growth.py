@@ -11,7 +11,7 @@ from multisrt.experiments.crossing import Condition, PlannedRun
 from multisrt.experiments.provenance import Provenance, differences
 from multisrt.experiments.results import can_move_horizon
 from multisrt.experiments.spec import ExperimentSpec
-from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.errors import MAX_REASON, InvalidInputError, shortened
 
 Plan = dict[str, tuple[int, PlannedRun]]
 """The runs of an experiment by key, each with its position."""
@@ -84,8 +84,8 @@ def require_same_program(path: Path, old: Provenance, new: Provenance) -> None:
     """
     if other := differences(old, new):
         raise InvalidInputError(
-            f"{path}: its runs were made by another program ({other}), and new ones "
-            f"would not be comparable; {OTHER_FILE}, or install what made them"
+            f"{path}: its runs were made by another program ({shortened(other, MAX_REASON)}), and "
+            f"new ones would not be comparable; {OTHER_FILE}, or install what made them"
         )
 
 

@@ -95,11 +95,22 @@ _SRT = "Sensor-based Random Tree; safe regions are "
 BUILT_IN = (
     _strategy("srt-ball", f"{_SRT}discs of the smallest reading", BallOptions, _require_reach),
     _strategy("srt-star", f"{_SRT}stars of equal cones", MultiSrtOptions, _require_reach),
-    _strategy("srt-radial", f"{_SRT}stars that keep every reading", MultiSrtOptions, _require_reach),
+    _strategy(
+        "srt-radial", f"{_SRT}stars that keep every reading", MultiSrtOptions, _require_reach
+    ),
     _bids("closest", "Each robot goes to its nearest frontier", BiddingOptions),
     _bids("greedy", "Frontiers are assigned to robots at increasing path length", BiddingOptions),
-    _bids("minpos", "Each robot goes to the frontier to which the fewest others are nearer", BiddingOptions),
-    _bids("utility", "A leader assigns frontiers by unknown area in view and path length", UtilityOptions, _require_talk),
+    _bids(
+        "minpos",
+        "Each robot goes to the frontier to which the fewest others are nearer",
+        BiddingOptions,
+    ),
+    _bids(
+        "utility",
+        "A leader assigns frontiers by unknown area in view and path length",
+        UtilityOptions,
+        _require_talk,
+    ),
     _bids(
         "self-bidding",
         "SBX-R: each robot bids for the whole team, and favours staying in touch",

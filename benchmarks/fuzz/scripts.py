@@ -206,6 +206,11 @@ def _generator(explorer: Scripted, fields: dict[str, Any]) -> Any:
     return (k for k in range(3))
 
 
+@np.errstate(over="ignore")
+def _single(value: Any) -> np.float32:
+    return np.float32(value)
+
+
 MAKERS: Final[dict[str, Callable[[Scripted, dict[str, Any]], Any]]] = {
     "way": _way,
     "onward": _onward,
@@ -234,7 +239,7 @@ MAKERS: Final[dict[str, Callable[[Scripted, dict[str, Any]], Any]]] = {
     "objects": lambda explorer, fields: np.array([None, object()], dtype=object),
     "many": lambda explorer, fields: np.zeros(1_000_000),
     "long": lambda explorer, fields: "long " * 100_000,
-    "numpy": lambda explorer, fields: np.float32(fields.get("of", 0.1)),
+    "numpy": lambda explorer, fields: _single(fields.get("of", 0.1)),
     "whole": lambda explorer, fields: 10**400,
     "complex": lambda explorer, fields: 1j,
 }

@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from shapely import Polygon, box
 from shapely.geometry.base import BaseGeometry
 
+from multisrt.analysis import clearance_tree as module
 from multisrt.analysis.clearance_tree import CORNER_SHARE, clearance_tree
 
 
@@ -194,3 +195,31 @@ def test_doors_of_two_closets_side_by_side_are_two_passages():
 def test_doors_on_both_sides_of_an_anteroom_are_two_passages():
     free = rooms((1.9, 0.3), (1.9, 0.4))
     assert len(tree_of(free).passages(0.3, apart_m=5.0)) == 2
+
+
+def test_long_walls_of_wide_halls_take_few_triangles():
+    # Two halls of 800 x 500 m with a door of 1.5 m in a wall of 20 m.
+    wall = box(800, -1, 820, 501) - box(799, 200, 821, 201.5)
+    tree = tree_of(box(0, 0, 1620, 500) - wall)
+    (door,) = tree.passages(100.0)
+    assert door.width_m == pytest.approx(1.5, abs=1e-9)
+    assert tree.radii.max() == pytest.approx(250.0, rel=1e-3)
+    assert tree.areas.sum() == pytest.approx(2 * 800 * 500 + 20 * 1.5)
+    assert len(tree.areas) < 20_000
+
+
+def test_samples_that_are_wide_at_first_find_what_even_ones_find(monkeypatch):
+    rng = np.random.default_rng(4)
+    pillars = [box(x, y, x + 3, y + 2) for x, y in rng.uniform(5, 85, (25, 2))]
+    free = max(shapely.get_parts(box(0, 0, 90, 90) - shapely.union_all(pillars)), key=shapely.area)
+    even = tree_of(free)
+    monkeypatch.setattr(module, "MAX_EVEN", 100)
+    monkeypatch.setattr(module, "WIDE_SHARE", 0.01)
+    graded = tree_of(free)
+    assert len(graded.areas) < 0.9 * len(even.areas)
+    for tree in (even, graded):
+        assert tree.areas.sum() == pytest.approx(free.area)
+    found = [[p.width_m for p in tree.passages(5.0)] for tree in (even, graded)]
+    assert found[0] == pytest.approx(found[1], abs=1e-6)
+    radii = [tree.largest_body(0.95).radius_m for tree in (even, graded)]
+    assert radii[0] == pytest.approx(radii[1], rel=3e-3)

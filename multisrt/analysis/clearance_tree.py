@@ -258,7 +258,7 @@ class ClearanceTree:
         Returns
         -------
         LargestBody
-            Its radius is exact if a passage limits it, else accurate to about 0.2 %.
+            Its radius is exact if a passage limits it, else accurate to about 0.1 %.
 
         Examples
         --------

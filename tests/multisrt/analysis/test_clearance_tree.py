@@ -212,14 +212,13 @@ def test_samples_that_are_wide_at_first_find_what_even_ones_find(monkeypatch):
     rng = np.random.default_rng(4)
     pillars = [box(x, y, x + 3, y + 2) for x, y in rng.uniform(5, 85, (25, 2))]
     free = max(shapely.get_parts(box(0, 0, 90, 90) - shapely.union_all(pillars)), key=shapely.area)
-    even = tree_of(free)
-    monkeypatch.setattr(module, "MAX_EVEN", 100)
-    monkeypatch.setattr(module, "WIDE_SHARE", 0.01)
     graded = tree_of(free)
+    monkeypatch.setattr(module, "MAX_EVEN", math.inf)
+    even = tree_of(free)
     assert len(graded.areas) < 0.9 * len(even.areas)
-    for tree in (even, graded):
-        assert tree.areas.sum() == pytest.approx(free.area)
+    assert graded.areas.sum() == pytest.approx(free.area)
     found = [[p.width_m for p in tree.passages(5.0)] for tree in (even, graded)]
     assert found[0] == pytest.approx(found[1], abs=1e-6)
-    radii = [tree.largest_body(0.95).radius_m for tree in (even, graded)]
-    assert radii[0] == pytest.approx(radii[1], rel=3e-3)
+    for radius in (1.0, 2.0, 4.0):
+        true = reached_share(free, radius)
+        assert graded.reached_share(radius) == pytest.approx(true, abs=5e-3)

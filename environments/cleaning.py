@@ -468,22 +468,28 @@ def _without_gaps(free: MultiPolygon, gap_m: float) -> tuple[MultiPolygon, Clean
     radius = gap_m / 2.0 - ROUNDING_M
     if radius <= 0.0:
         return free, Cleaning()
-    roomy = shapely.buffer(
-        shapely.buffer(free, -radius, quad_segs=ARC_SEGMENTS), radius, quad_segs=ARC_SEGMENTS
-    )
+    eroded = polygons_of(shapely.buffer(free, -radius, quad_segs=ARC_SEGMENTS))
+    roomy = shapely.buffer(eroded, radius, quad_segs=ARC_SEGMENTS)
+    narrow = polygons_of(free.difference(shapely.buffer(shapely.union_all(roomy), ROUNDING_M)))
     # A corner or a nook has one border with roomy space, a gap two or more.
-    narrow = polygons_of(free.difference(shapely.buffer(roomy, ROUNDING_M)))
-    narrow = narrow[shapely.area(narrow) > ROUNDING_M * gap_m]
     walls = shapely.buffer(free.boundary, 2.0 * ROUNDING_M, quad_segs=1)
     mouths = shapely.difference(shapely.boundary(narrow), walls)
     is_gap = np.array([_number_of_lines(mouth) > 1 for mouth in mouths], np.bool_)
-    if not is_gap.any():
+    is_gap &= shapely.area(narrow) > ROUNDING_M * gap_m
+    # In a thin wall discs from both sides meet in the gap, and leave only cracks beside it.
+    tree = shapely.STRtree(roomy)
+    meets, other = tree.query(roomy, "intersects")
+    lenses = shapely.intersection(roomy[meets], roomy[other])[meets < other]
+    beside, _ = tree.query(narrow, "dwithin", 2.0 * ROUNDING_M)
+    is_gap |= np.bincount(beside, minlength=len(narrow)) > 1
+    found = shapely.union_all([*narrow[is_gap], *lenses])
+    if found.is_empty:
         return free, Cleaning()
     # Dilated a little, so that no crack of free space remains beside them.
-    closed = shapely.union_all(narrow[is_gap]).buffer(4.0 * ROUNDING_M, join_style="mitre")
+    closed = shapely.buffer(found, 4.0 * ROUNDING_M, join_style="mitre")
     space = areas(free.difference(closed))
     return space, Cleaning(
-        closed_gaps=int(is_gap.sum()), closed_m2=float(free.area) - float(space.area)
+        closed_gaps=len(polygons_of(closed)), closed_m2=float(free.area) - float(space.area)
     )
 
 

@@ -175,6 +175,17 @@ def test_narrow_gaps_are_closed_and_wide_ones_stay():
     assert cleaned(free, CleaningOptions(gap_m=0.6))[1].closed_gaps == 2
 
 
+@pytest.mark.parametrize("wall_m", [0.02, 0.1, 0.2, 1.0])
+@pytest.mark.parametrize("gap_m", [0.41, 0.5, 1.5])
+def test_doors_are_closed_whatever_the_thickness_of_their_wall(wall_m, gap_m):
+    wall = box(4, 0, 4 + wall_m, 1.8) | box(4, 2.2, 4 + wall_m, 4)
+    space, cleaning = cleaned(box(0, 0, 9, 4) - wall, CleaningOptions(gap_m=gap_m))
+    assert len(space.geoms) == 2
+    assert cleaning.closed_gaps == 1
+    assert 0.0 < cleaning.closed_m2 < 0.4 * wall_m + 0.1
+    assert space.buffer(1e-5).contains(box(0, 0, 9, 4) - box(3.6, 1.7, 4.4 + wall_m, 2.3) - wall)
+
+
 def test_corners_and_dead_ends_are_no_gaps():
     dead_end = HALL | box(10, 2, 12, 2.2)
     space, cleaning = cleaned(dead_end, CleaningOptions(gap_m=0.4))

@@ -46,7 +46,7 @@ WIDE_SHARE: Final = 1.0 / 200.0
 """That wide spacing as a share of the area over the length of the boundary."""
 
 LARGE_SINE: Final = 1.0 / 32.0
-"""A piece is long where it is seen across free space at an angle with a larger sine."""
+"""A piece is long where a triangle beside it sees it at an angle with a larger sine."""
 
 MIN_SPACING_SHARE: Final = 1.0 / 4.0
 """Pieces of the boundary near other samples are halved down to this share of the spacing."""
@@ -412,8 +412,7 @@ def _neighbours(inside: BoolArray, neighbours: IntArray) -> tuple[IntArray, IntA
 
 
 def _rings(part: Polygon) -> list[FloatArray]:
-    # Without the first corner repeated at the end; free space is on the right.
-    part = shapely.orient_polygons(part, exterior_cw=True)
+    # Without the first corner repeated at the end.
     return [shapely.get_coordinates(ring)[:-1] for ring in (part.exterior, *part.interiors)]
 
 
@@ -494,7 +493,7 @@ def _seen_from(
     missing : (n,) array of bool
         Pieces that are not edges of triangles.
     sines : (n,) array
-        Sine of the angle at which a piece is seen across free space.
+        The larger sine of the angles at which the two triangles see a piece.
     crowded : (n,) array of bool
         Pieces that are seen at an obtuse angle: a sample is in their diametral circle.
     """
@@ -520,9 +519,7 @@ def _seen_from(
     flat = twice <= 1e-9 * np.hypot(*(to_a - to_b).T) ** 2
     crowded, sines = np.zeros(count, np.bool_), np.zeros(count)
     crowded[piece[obtuse & ~flat]] = True
-    along = samples[after[piece]] - samples[piece]
-    free = ~flat & (_cross(along, samples[apex] - samples[piece]) < 0.0)
-    sines[piece[free]] = (twice / product)[free]
+    np.maximum.at(sines, piece[~flat], (twice / product)[~flat])
     return missing, sines, crowded
 
 

@@ -47,6 +47,9 @@ ARC_ERROR_M: Final = 1e-4
 RADIUS_PRECISION: Final = 1e-4
 """Precision of the largest disc that fits anywhere, as a share of a side of the part."""
 
+SPARE_M: Final = 0.05
+"""A body that passes with less than this on either side passes tightly, in metres."""
+
 ROUNDING_M: Final = 1e-6
 """Bodies are taken smaller by this, in metres, so that they pass a gap that just fits."""
 
@@ -127,6 +130,17 @@ class MapCheck:
         """The passages that the body does not pass, the narrowest first."""
         width = 2.0 * (self.footprint.inscribed_radius_m - ROUNDING_M)
         return tuple(passage for passage in self.passages if passage.width_m < width)
+
+    @property
+    def tight(self) -> tuple[Passage, ...]:
+        """The passages that the body passes with less than `SPARE_M` on either side.
+
+        Strategies may not find paths through them: those that bid for frontiers plan on the cells
+        of a raster, and keep a margin.
+        """
+        width = 2.0 * (self.footprint.inscribed_radius_m + SPARE_M)
+        narrow = (passage for passage in self.passages if passage.width_m < width)
+        return tuple(narrow)[len(self.blocking) :]
 
     @property
     def problems(self) -> tuple[str, ...]:

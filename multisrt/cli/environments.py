@@ -328,6 +328,7 @@ def check(
     from multisrt.exporting.written import require_suffix
     from multisrt.geometry.bodies.footprint import Footprint
     from multisrt.geometry.configuration import Configuration
+    from multisrt.terminal import LiveLine
 
     body = Footprint.parse(footprint)
     places = [Configuration(*start_of(text, "--start")) for text in starts]
@@ -340,11 +341,12 @@ def check(
     for path in (out, fix):
         if path is not None:
             require_place(path, force=force)
-    world = _read(environment, given, repair=fix is not None)
-    if fix is not None:
-        world = _fixed(world, given)
-        save_environment(world, fix, overwrite=force)
-    checked = check_map(world, body, share=share, starts=places)
+    with LiveLine(not quiet, "check", environment):
+        world = _read(environment, given, repair=fix is not None)
+        if fix is not None:
+            world = _fixed(world, given)
+            save_environment(world, fix, overwrite=force)
+        checked = check_map(world, body, share=share, starts=places)
     if out is not None:
         save_map_check_svg(checked, out)
     if not quiet:

@@ -79,6 +79,13 @@ def report(check: MapCheck) -> Iterator[str]:
         f"; out of reach: {_listed_areas(check.unreachable)}" if check.unreachable else ""
     )
     yield from _blocking(check.blocking)
+    if check.tight:
+        from multisrt.analysis.map_check import SPARE_M
+
+        yield (
+            f"tight for it: {_places(check.tight)}, {_metres(check.tight[0].width_m)} wide or "
+            f"little more: strategies may need up to {100.0 * SPARE_M:g} cm to spare on either side"
+        )
 
 
 def _parts_of_starts(check: MapCheck) -> str:
@@ -118,17 +125,20 @@ def _blocking(passages: Sequence[Passage]) -> Iterator[str]:
         by_width.setdefault(_metres(passage.width_m), []).append(passage)
     # The widest first, since a slightly smaller body passes these.
     for width, group in list(reversed(by_width.items()))[:MAX_PASSAGES]:
-        places = ", ".join(_place(passage) for passage in group[:MAX_PLACES])
-        if more := len(group[MAX_PLACES:]):
-            places += f" and {more} other{'s' * (more > 1)}"
-        several = len(group) > 1
         yield (
-            f"the passage{'s' * several} at {places} {'are' if several else 'is'} {width} wide: "
+            f"{_places(group)} {'are' if len(group) > 1 else 'is'} {width} wide: "
             f"bodies up to {_metres(group[0].width_m / 2.0)} in radius pass"
         )
     if len(by_width) > MAX_PASSAGES:
         more = sum(len(group) for group in list(by_width.values())[:-MAX_PASSAGES])
         yield f"{more} other passages are narrower"
+
+
+def _places(passages: Sequence[Passage]) -> str:
+    places = ", ".join(_place(passage) for passage in passages[:MAX_PLACES])
+    if more := len(passages[MAX_PLACES:]):
+        places += f" and {more} other{'s' * (more > 1)}"
+    return f"the passage{'s' * (len(passages) > 1)} at {places}"
 
 
 def _place(passage: Passage) -> str:
@@ -137,4 +147,4 @@ def _place(passage: Passage) -> str:
 
 
 def _metres(metres: float) -> str:
-    return f"{metres:.3g} m"
+    return f"{metres:.3g} m" if metres < 1000.0 else f"{metres:,.0f} m"

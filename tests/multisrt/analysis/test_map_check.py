@@ -39,6 +39,15 @@ def test_a_body_as_wide_as_the_door_passes():
     assert check.blocking == ()
 
 
+@pytest.mark.parametrize(
+    ("radius_m", "blocking", "tight"),
+    [(0.14, 0, 0), (0.16, 0, 1), (0.2, 0, 1), (0.21, 1, 0)],
+)
+def test_passages_with_little_to_spare_are_tight(radius_m, blocking, tight):
+    check = check_map(Environment("rooms", ROOMS), Footprint.disc(radius_m))
+    assert (len(check.blocking), len(check.tight)) == (blocking, tight)
+
+
 def test_a_box_is_checked_by_its_inscribed_disc():
     check = check_map(Environment("rooms", ROOMS), Footprint.parse("box:1x0.39"))
     assert check.reached_share == 1.0

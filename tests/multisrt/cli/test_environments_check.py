@@ -32,7 +32,9 @@ def test_a_narrow_door_is_a_problem(call, folder):
     assert "is 0.4 m wide: bodies up to 0.2 m in radius pass" in out
     assert "\nproblem: the body disc:0.25 reaches 50.0 % of the main part" in out
     assert ET.parse(folder / "narrow.svg").getroot().tag.endswith("svg")
-    assert call("environments", "check", "narrow.wkt", "--footprint", "disc:0.2")[0] == 0
+    code, out, _ = call("environments", "check", "narrow.wkt", "--footprint", "disc:0.2")
+    assert code == 0
+    assert re.search(r"tight for it: the passage at \(6.[012]., 2.20\), 0.4 m wide or", out)
 
 
 @pytest.mark.parametrize("name", ["narrow.png", "narrow", "narrow.svg.txt"])

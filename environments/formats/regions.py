@@ -461,11 +461,12 @@ def crossing_of(path: Path, ring: FloatArray) -> tuple[float, float] | None:
         return None
     # Where a ring crosses itself, areas with three winding numbers meet.
     beyond = shapely.box(*shapely.total_bounds(faces)).buffer(1.0) - shapely.union_all(faces)
-    corners = shapely.points(np.unique(shapely.get_coordinates(faces[wrong]), axis=0))
-    corner, face = shapely.STRtree([*faces, beyond]).query(corners, predicate="intersects")
+    corners = np.unique(shapely.get_coordinates(faces[wrong]), axis=0)
+    areas = shapely.STRtree([*faces, beyond])
+    corner, face = areas.query(shapely.points(corners), predicate="intersects")
     meeting = np.unique(np.column_stack([corner, np.append(turns, 0)[face]]), axis=0)
-    place = corners[np.argmax(np.bincount(meeting[:, 0]))]
-    return float(place.x), float(place.y)
+    x, y = corners[np.argmax(np.bincount(meeting[:, 0]))]
+    return float(x), float(y)
 
 
 @kernel

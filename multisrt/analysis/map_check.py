@@ -19,7 +19,6 @@ from multisrt.analysis.clearance_tree import (
 from multisrt.environments.cleaning import CleaningOptions, cleaned
 from multisrt.environments.environment import Environment
 from multisrt.environments.formats.geojson import degrees_hint
-from multisrt.environments.layers import left_out_names
 from multisrt.environments.parts import Enclosing, inside, parts_of, start_in, surrounding
 from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
@@ -131,25 +130,17 @@ class MapCheck:
     @property
     def problems(self) -> tuple[str, ...]:
         """Problems of the world for the body, one sentence each; empty if it suits the body."""
+        layers = self.environment.layers
         return tuple(
             filter(
                 None,
                 (
-                    self._problem_of_layers(),
+                    "" if layers is None else layers.problem,
                     self._problem_of_parts(),
                     self._problem_of_reach(),
                     *self._problems_of_starts(),
                 ),
             )
-        )
-
-    def _problem_of_layers(self) -> str:
-        layers = self.environment.layers
-        if layers is None or layers.bounds_space or not layers.left_out:
-            return ""
-        return (
-            f"no layer is read as walls or free space, and {left_out_names(layers)} "
-            f"{'is' if len(layers.left_out) == 1 else 'are'} left out: {layers.remedy}"
         )
 
     def _problem_of_parts(self) -> str:

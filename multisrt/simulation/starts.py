@@ -267,16 +267,19 @@ def _largest_room(environment: Environment, free: BaseGeometry, footprint: Footp
     radius = footprint.circumscribed_radius_m
     parts = [part for part in shapely.get_parts(_roomy(free, radius)) if not part.is_empty]
     if not parts:
+        layers = environment.layers
         around, hint = enclosing(environment), degrees_hint(environment)
         where = f"{environment.name!r}"
         if around is not None:
             where = (
                 f"the parts of {where} around which that of {area_text(around.area.area)} m2 lies"
             )
+        remedy = f"choose a smaller body{' or its start' * (around is not None)}"
+        if layers is not None and layers.problem:
+            remedy = layers.problem
         raise InvalidInputError(
             f"the body {footprint} fits nowhere in {where}: it needs a clearance of "
-            f"{radius:.3g} m; choose a smaller body{' or its start' * (around is not None)}"
-            f"{'; ' * bool(hint)}{hint}"
+            f"{radius:.3g} m; {remedy}{'; ' * bool(hint)}{hint}"
         )
     largest: Polygon = max(parts, key=lambda part: part.area)
     return largest

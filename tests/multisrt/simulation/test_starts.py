@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from multisrt.environments.catalog import environment
 from multisrt.environments.environment import Environment
+from multisrt.environments.layers import Layer, Layers
 from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import ClearanceError, InvalidInputError
@@ -164,6 +165,21 @@ def test_whether_a_box_fits_depends_on_its_heading():
 def test_a_body_that_fits_nowhere_is_refused():
     with pytest.raises(InvalidInputError, match=r"disc:4\.1 fits nowhere in 'hall'.*4\.1 m"):
         start_of(RobotSpec(footprint="disc:4.1", range_finder=FAR), HALL)
+
+
+def test_a_body_that_fits_nowhere_is_told_that_walls_may_be_left_out():
+    layers = Layers(
+        layers=(Layer("0", "", 5), Layer("Columns", "obstacles", 1)),
+        bounds_space=False,
+        remedy="name layers walls to read them",
+    )
+    noname = Environment("noname", shapely.box(0, 0, 0.4, 0.4), layers=layers)
+    said = (
+        r"0\.25 m; no layer is read as walls or free space, and 0 \(5 shapes\) is left out: "
+        "name layers walls to read them$"
+    )
+    with pytest.raises(InvalidInputError, match=said):
+        start_of(RobotSpec(), noname)
 
 
 def test_a_suggested_start_is_checked_like_a_given_one():

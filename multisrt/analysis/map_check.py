@@ -23,7 +23,7 @@ from multisrt.environments.parts import Enclosing, inside, parts_of, start_in, s
 from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.simulation.rooms import body_fits, misfit
+from multisrt.simulation.rooms import body_fits, misfit, needed_clearance
 
 SHARE: Final = 0.95
 """Default share of the main part that a body is to reach."""
@@ -176,15 +176,15 @@ class MapCheck:
         )
 
     def _problems_of_starts(self) -> list[str]:
-        radius, kind = self.footprint.inscribed_radius_m - ROUNDING_M, self.kind_of_start
+        kind = self.kind_of_start
         apart, narrow = [], []
         for (x, y), number in zip(self.starts, self.start_parts, strict=True):
             if number != self.start_parts[0]:
                 apart.append((x, y))
-            elif not self.given_starts and (
-                (clearance := self.environment.clearance(x, y)) < radius
+            elif not self.given_starts and not body_fits(
+                self.environment, self.footprint, Configuration(x, y)
             ):
-                narrow.append((clearance, x, y))
+                narrow.append((self.environment.clearance(x, y), x, y))
         found = []
         if apart:
             verb = "is" if len(apart) == 1 else "are"
@@ -200,7 +200,8 @@ class MapCheck:
             distances = nearest if nearest == farthest else f"{nearest} to {farthest}"
             found.append(
                 f"at the {_listed([place for _, *place in narrow], kind)} the body "
-                f"{self.footprint} does not fit: {walls} at {distances} m"
+                f"{self.footprint} does not fit: {walls} at {distances} m, and it needs "
+                f"{needed_clearance(self.footprint)}"
             )
         return found
 

@@ -67,7 +67,7 @@ class Layers:
 
     @property
     def problem(self) -> str:
-        """That no layer bounds free space, and the remedy; empty if one does or none is left out."""
+        """That no layer read bounds free space, and the remedy; empty if one does."""
         if self.bounds_space or not self.left_out:
             return ""
         return (

@@ -52,6 +52,8 @@ class Layers:
     layers read: Furniture (obstacles); left out: Layer 1 (3 shapes); name them walls
     >>> layers.left_out[0].name
     'Layer 1'
+    >>> layers.problem
+    'no layer is read as walls or free space, and Layer 1 (3 shapes) is left out: name them walls'
     """
 
     layers: tuple[Layer, ...]
@@ -62,6 +64,16 @@ class Layers:
     def left_out(self) -> tuple[Layer, ...]:
         """The layers that were left out, since their names say nothing about space."""
         return tuple(layer for layer in self.layers if not layer.read_as)
+
+    @property
+    def problem(self) -> str:
+        """That no layer read bounds free space, and the remedy; empty if one does."""
+        if self.bounds_space or not self.left_out:
+            return ""
+        return (
+            f"no layer is read as walls or free space, and {left_out_names(self)} "
+            f"{'is' if len(self.left_out) == 1 else 'are'} left out: {self.remedy}"
+        )
 
     def __str__(self) -> str:
         """Return what was read and what was left out as text on one line."""

@@ -1,5 +1,6 @@
 """Readers of map files: one module, or one package, for each format."""
 
+import re
 from pathlib import Path
 from typing import Final
 
@@ -61,6 +62,13 @@ FORMATS: Final[tuple[MapFormat, ...]] = (
 )
 """The formats that can be read."""
 
+_OTHERS: Final = {
+    rb"RIFF....WEBP": "a WebP image; save it as PNG",
+    rb"PK\x03\x04": "a zip archive, as .npz files are; unzip it, and name the map in it",
+    rb"\x1f\x8b": "compressed by gzip, as .svgz files are; unpack it, and name the map in it",
+}
+"""How files of formats that cannot be read begin, and what to do with them."""
+
 
 def format_of(path: Path) -> MapFormat:
     """Return the format of a map file, by its content or else by its suffix.
@@ -92,6 +100,9 @@ def format_of(path: Path) -> MapFormat:
     for known in FORMATS:
         if path.suffix.lower() in known.suffixes:
             return known
+    for begins, what in _OTHERS.items():
+        if re.match(begins, beginning.raw, re.DOTALL):
+            raise MapFormatError(f"{path} is {what}")
     readable = ", ".join(f"{known.name} ({' '.join(known.suffixes)})" for known in FORMATS)
     raise MapFormatError(
         f"{path} is not a map: no format is known by its content or by its suffix {path.suffix!r}; "

@@ -1,14 +1,15 @@
 """Floor plans of the HouseExpo data set: the outline of a flat or house, in metres."""
 
 import re
+from functools import partial
 from pathlib import Path
 from typing import Final
 
-import shapely
+import numpy as np
 from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
-from multisrt.environments.cleaning import without_denormals
+from multisrt.environments.cleaning import FIXING, Cleaning, repaired, without_denormals
 from multisrt.environments.environment import MAX_COORDINATE_M, Environment
 from multisrt.environments.formats.files import (
     build_environment,
@@ -17,8 +18,8 @@ from multisrt.environments.formats.files import (
     refuse_threshold,
 )
 from multisrt.environments.formats.map_format import Beginning, MapFormat
-from multisrt.environments.formats.regions import require_few_overlaps
-from multisrt.geometry.errors import MapFormatError, shown
+from multisrt.environments.formats.regions import crossing_of, filled, require_few_overlaps
+from multisrt.geometry.errors import MapFormatError, counted, shown
 
 MAX_NAME_LENGTH: Final = 80
 """Upper bound of the length of an ``id`` that is used as name, in characters."""
@@ -30,12 +31,13 @@ def read_house_expo(
     resolution_m: float | None = None,
     threshold: float | None = None,
     name: str | None = None,
+    repair: bool = False,
 ) -> Environment:
     """Read a HouseExpo floor plan: free space is the inside of its outline.
 
     Doors are openings in these plans, so that rooms are connected and one outline holds all of
-    them. The outline may touch itself where two rooms are separated by a wall without thickness;
-    its inside is determined by the even-odd rule, as in the simulator of the data set.
+    them. The outline may touch itself where two rooms are separated by a wall without thickness,
+    but not cross itself.
 
     Parameters
     ----------
@@ -47,12 +49,14 @@ def read_house_expo(
     name : str, optional
         By default the ``id`` of the plan if it has a printable one of at most 80 characters, else
         the file's name without suffix.
+    repair : bool, optional
+        Whether an outline that crosses itself is repaired instead of refused.
 
     Raises
     ------
     MapFormatError
         If the file is not JSON, has no ``verts``, a vertex is not a pair of finite numbers, or
-        the outline has no area.
+        the outline crosses itself or has no area.
 
     Notes
     -----
@@ -72,20 +76,40 @@ def read_house_expo(
     plan = read_json(path, "a floor plan of HouseExpo")
     vertices = plan.get("verts") if isinstance(plan, dict) else None
     if not isinstance(plan, dict) or not isinstance(vertices, list) or len(vertices) < 3:
-        raise MapFormatError(
-            f"{path} has no verts; a floor plan of HouseExpo has a list of at least three [x, y]"
+        has = (
+            f"{counted(len(vertices), 'vertex', 'vertices')} in"
+            if isinstance(vertices, list)
+            else "no"
         )
-    outline: BaseGeometry = without_denormals(
+        raise MapFormatError(
+            f"{path} has {has} verts; a floor plan of HouseExpo has a list of at least three [x, y]"
+        )
+    drawn = without_denormals(
         Polygon([_vertex(path, number, at) for number, at in enumerate(vertices, start=1)])
     )
-    if not outline.is_valid:
-        require_few_overlaps(path, [outline])
-        outline = shapely.make_valid(outline, method="linework")
+    outline, cleaning = _inside(path, drawn, repair=repair)
     house = plan.get("id")
     is_name = isinstance(house, str) and 0 < len(house) <= MAX_NAME_LENGTH
     if name is None and is_name and str(house).isprintable():
         name = str(house)
-    return build_environment(path, outline, name=name, origin=path.name)
+    return build_environment(path, outline, name=name, origin=path.name, cleaning=cleaning)
+
+
+def _inside(path: Path, drawn: Polygon, *, repair: bool) -> tuple[BaseGeometry, Cleaning]:
+    if drawn.is_valid:
+        return drawn, Cleaning()
+    require_few_overlaps(path, [drawn])
+    ring = np.asarray(drawn.exterior.coords)[:-1]
+    crossing = crossing_of(path, ring)
+    if crossing is None:
+        return filled(path, [ring], "evenodd"), Cleaning()
+    if repair:
+        return repaired(drawn)
+    x, y = crossing
+    raise MapFormatError(
+        f"{path}: the outline crosses itself at ({x:g}, {y:g}); draw an outline that does not "
+        f"cross itself, or {FIXING}"
+    )
 
 
 def _vertex(path: Path, number: int, vertex: object) -> tuple[float, float]:
@@ -115,4 +139,5 @@ HOUSE_EXPO = MapFormat(
     suffixes=(".json",),
     recognises=_is_house_expo,
     read=read_house_expo,
+    repair=partial(read_house_expo, repair=True),
 )

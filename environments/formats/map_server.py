@@ -3,6 +3,7 @@
 import math
 import re
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
@@ -24,6 +25,9 @@ from multisrt.environments.formats.image import Pixels, read_pixels
 from multisrt.environments.formats.map_format import Beginning, MapFormat
 from multisrt.geometry.errors import MAX_REASON, MapFormatError, reason_of, shortened, shown
 from multisrt.geometry.numerics.kernel import BoolArray, FloatArray
+
+if TYPE_CHECKING:
+    import yaml
 
 MAX_YAML_BYTES = 2**16
 """Upper bound of the size of YAML files, in bytes (64 KiB)."""
@@ -62,8 +66,8 @@ def read_map_server(
     Raises
     ------
     MapFormatError
-        If the file is not YAML or has an alias, a key is missing or wrong, the image is missing or
-        damaged, the mode is ``raw``, or no pixel is free.
+        If the file is not YAML or has an alias, a key is missing, wrong or repeated, the
+        image is missing or damaged, the mode is ``raw``, or no pixel is free.
 
     Notes
     -----
@@ -151,6 +155,7 @@ def _entries(path: Path) -> dict[object, object]:
         # Aliases that are merged repeatedly would grow without bound.
         if "*" in text and any(isinstance(event, yaml.AliasEvent) for event in yaml.parse(text)):
             raise MapFormatError(f"{path} has an alias (*name); write out the value in its place")
+        _refuse_repeated_keys(path, yaml.compose(text, Loader=yaml.SafeLoader))
         loaded = yaml.safe_load(text)
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark
@@ -172,6 +177,22 @@ def _entries(path: Path) -> dict[object, object]:
             f"a map_server YAML has {', '.join(REQUIRED_KEYS)} and optionally mode"
         )
     return loaded
+
+
+def _refuse_repeated_keys(path: Path, root: "yaml.Node | None") -> None:
+    import yaml
+
+    lines: dict[str, int] = {}
+    for key, _ in root.value if isinstance(root, yaml.MappingNode) else ():
+        if not isinstance(key, yaml.ScalarNode):
+            continue
+        line = key.start_mark.line + 1
+        if key.value in lines:
+            raise MapFormatError(
+                f"{path}, line {line} states {shown(key.value)} again, after line "
+                f"{lines[key.value]}; remove one of them"
+            )
+        lines[key.value] = line
 
 
 def _image_path(path: Path, entries: dict[object, object]) -> Path:

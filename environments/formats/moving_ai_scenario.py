@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Final
 
+from multisrt.environments.cleaning import Cleaning
 from multisrt.environments.environment import Environment
 from multisrt.environments.formats.files import (
     MAX_CELLS,
@@ -66,7 +67,7 @@ def read_moving_ai_scenario(
     Source: N. Sturtevant, Benchmarks for grid-based pathfinding, 2012, and the page on file
     formats of the benchmarks. If the width and height of a line are not those of the map, its
     positions refer to a grid of that size over the map, and a start is the cell of the map that
-    contains the centre of its cell.
+    contains the centre of its cell; `Environment.cleaning` notes that.
 
     Examples
     --------
@@ -96,8 +97,23 @@ def read_moving_ai_scenario(
                 for column, row in starts
             ]
         ),
-        cleaning=straightened(polygons, resolution_m),
+        cleaning=_scaled(path, problems, cells, map_path) + straightened(polygons, resolution_m),
     )
+
+
+def _scaled(path: Path, problems: list["_Problem"], cells: BoolArray, map_path: Path) -> Cleaning:
+    height, width = cells.shape
+    for problem in problems:
+        if problem.size != (width, height):
+            columns, rows = problem.size
+            return Cleaning(
+                notes=(
+                    f"{problem.place.removeprefix(f'{path}, ')} states a grid of {columns} x "
+                    f"{rows} cells, but {map_path.name} has {width} x {height}: is it the map of "
+                    "this scenario? Starts scaled to it",
+                )
+            )
+    return Cleaning()
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,10 +157,15 @@ def _problem(place: str, line: str) -> _Problem:
     if len(fields) != 9 or not all(re.fullmatch(r"[0-9]{1,8}", word) for word in numbers):
         raise MapFormatError(f"{place} is {shown(line)}; it has the fields {FIELDS}")
     width, height, x, y = (int(word) for word in numbers)
-    if not (x < width and y < height and width * height <= MAX_CELLS):
+    if width * height > MAX_CELLS:
         raise MapFormatError(
-            f"{place}: the start ({x}, {y}) is not in a grid of {width} x {height} cells, of at "
-            f"most {MAX_CELLS:,}"
+            f"{place} states a grid of {width} x {height} cells; grids are read up to "
+            f"{MAX_CELLS:,} cells"
+        )
+    if not (x < width and y < height):
+        raise MapFormatError(
+            f"{place}: the start ({x}, {y}) is not in the grid of {width} x {height} cells that "
+            "the line states; count columns and rows from 0"
         )
     return _Problem(place, fields[1], (width, height), (x, y))
 

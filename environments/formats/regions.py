@@ -377,21 +377,96 @@ def filled(path: Path, rings: Sequence[FloatArray], rule: FillRule) -> BaseGeome
         simple = Polygon(solid[0])
         if simple.is_valid:
             return simple
-    loops = [shapely.LineString(np.vstack([ring, ring[:1]])) for ring in solid]
+    faces, turns = wound_faces(path, solid)
+    chosen = faces[turns % 2 == 1 if rule == "evenodd" else turns != 0]
+    return shapely.union_all(chosen) if chosen.size else Polygon()
+
+
+def wound_faces(path: Path, rings: Sequence[FloatArray]) -> tuple[GeometryArray, IntArray]:
+    """Return the areas that closed rings bound, and how often they wind around each.
+
+    Parameters
+    ----------
+    path, rings
+        As for `filled`.
+
+    Returns
+    -------
+    faces : array of Polygon
+        The areas without the unbounded one.
+    turns : int array
+        The winding number of each.
+
+    Raises
+    ------
+    MapFormatError
+        If the rings cross too often.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from pathlib import Path
+    >>> bow = np.array([[0, 0], [2, 2], [2, 0], [0, 2]], float)
+    >>> sorted(wound_faces(Path("plan.svg"), [bow])[1].tolist())
+    [-1, 1]
+    """
+    loops = [shapely.LineString(np.vstack([ring, ring[:1]])) for ring in rings]
     require_few_crossings(path, loops)
     noded = shapely.union_all(np.asarray(loops, np.object_))
     faces: GeometryArray = shapely.get_parts(shapely.polygonize(shapely.get_parts(noded)))
-    if not faces.size:
-        return Polygon()
     inside = shapely.get_coordinates(shapely.point_on_surface(faces))
     edges = _edges(path, loops)
     if len(inside) * len(edges) > MAX_WINDINGS:
         raise MapFormatError(
             f"{path}: a shape with {len(edges):,} edges has {len(inside):,} parts; split it"
         )
-    turns = _windings(inside, np.ascontiguousarray(edges.reshape(-1, 4)))
-    chosen = faces[turns % 2 == 1 if rule == "evenodd" else turns != 0]
-    return shapely.union_all(chosen) if chosen.size else Polygon()
+    return faces, _windings(inside, np.ascontiguousarray(edges.reshape(-1, 4)))
+
+
+def crossing_of(path: Path, ring: FloatArray) -> tuple[float, float] | None:
+    """Return a point at which a closed ring crosses itself; None if it at most touches itself.
+
+    A ring that does not cross itself winds around every point at most once, and around all of them
+    in the same direction. Areas that are nowhere 1 mm wide do not count.
+
+    Parameters
+    ----------
+    path, ring
+        As for `filled`.
+
+    Raises
+    ------
+    MapFormatError
+        If the ring crosses itself too often.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from pathlib import Path
+    >>> crossing_of(Path("plan.json"), np.array([[0, 0], [2, 2], [2, 0], [0, 2]], float))
+    (1.0, 1.0)
+    >>> spike = np.array([[0, 0], [4, 0], [6, 0], [4, 0], [4, 4]], float)
+    >>> crossing_of(Path("plan.json"), spike) is None
+    True
+    """
+    faces, turns = wound_faces(path, [ring])
+    wide = ~shapely.is_empty(shapely.buffer(faces, -SLIVER_WIDTH_M / 2))
+    faces, turns = faces[wide], turns[wide]
+    if not turns.any():
+        return None
+    way = turns[np.argmax(np.where(turns, shapely.area(faces), 0.0))]
+    way //= abs(way)
+    wrong = (turns != 0) & (turns != way)
+    if not wrong.any():
+        return None
+    # Where a ring crosses itself, areas with three winding numbers meet.
+    beyond = shapely.box(*shapely.total_bounds(faces)).buffer(1.0) - shapely.union_all(faces)
+    corners = np.unique(shapely.get_coordinates(faces[wrong]), axis=0)
+    areas = shapely.STRtree([*faces, beyond])
+    corner, face = areas.query(shapely.points(corners), predicate="intersects")
+    meeting = np.unique(np.column_stack([corner, np.append(turns, 0)[face]]), axis=0)
+    x, y = corners[np.argmax(np.bincount(meeting[:, 0]))]
+    return float(x), float(y)
 
 
 @kernel

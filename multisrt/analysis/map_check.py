@@ -19,12 +19,11 @@ from multisrt.analysis.clearance_tree import (
 from multisrt.environments.cleaning import CleaningOptions, cleaned
 from multisrt.environments.environment import Environment
 from multisrt.environments.formats.geojson import degrees_hint
-from multisrt.environments.layers import left_out_names
 from multisrt.environments.parts import Enclosing, inside, parts_of, start_in, surrounding
 from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.simulation.rooms import body_fits, misfit
+from multisrt.simulation.rooms import body_fits, misfit, needed_clearance
 
 SHARE: Final = 0.95
 """Default share of the main part that a body is to reach."""
@@ -145,25 +144,17 @@ class MapCheck:
     @property
     def problems(self) -> tuple[str, ...]:
         """Problems of the world for the body, one sentence each; empty if it suits the body."""
+        layers = self.environment.layers
         return tuple(
             filter(
                 None,
                 (
-                    self._problem_of_layers(),
+                    "" if layers is None else layers.problem,
                     self._problem_of_parts(),
                     self._problem_of_reach(),
                     *self._problems_of_starts(),
                 ),
             )
-        )
-
-    def _problem_of_layers(self) -> str:
-        layers = self.environment.layers
-        if layers is None or layers.bounds_space or not layers.left_out:
-            return ""
-        return (
-            f"no layer is read as walls or free space, and {left_out_names(layers)} "
-            f"{'is' if len(layers.left_out) == 1 else 'are'} left out: {layers.remedy}"
         )
 
     def _problem_of_parts(self) -> str:
@@ -199,15 +190,15 @@ class MapCheck:
         )
 
     def _problems_of_starts(self) -> list[str]:
-        radius, kind = self.footprint.inscribed_radius_m - ROUNDING_M, self.kind_of_start
+        kind = self.kind_of_start
         apart, narrow = [], []
         for (x, y), number in zip(self.starts, self.start_parts, strict=True):
             if number != self.start_parts[0]:
                 apart.append((x, y))
-            elif not self.given_starts and (
-                (clearance := self.environment.clearance(x, y)) < radius
+            elif not self.given_starts and not body_fits(
+                self.environment, self.footprint, Configuration(x, y)
             ):
-                narrow.append((clearance, x, y))
+                narrow.append((self.environment.clearance(x, y), x, y))
         found = []
         if apart:
             verb = "is" if len(apart) == 1 else "are"
@@ -223,7 +214,8 @@ class MapCheck:
             distances = nearest if nearest == farthest else f"{nearest} to {farthest}"
             found.append(
                 f"at the {_listed([place for _, *place in narrow], kind)} the body "
-                f"{self.footprint} does not fit: {walls} at {distances} m"
+                f"{self.footprint} does not fit: {walls} at {distances} m, and it needs "
+                f"{needed_clearance(self.footprint)}"
             )
         return found
 

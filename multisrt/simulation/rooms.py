@@ -74,18 +74,27 @@ from there
     except ClearanceError as error:
         return ClearanceError(f"the start {error}; {instead}", error.clearance_m)
     clearance = environment.clearance(x, y)
-    if footprint.is_disc:
-        needed = f"more than {footprint.radius_m:g} m"
-    else:
-        needed = (
-            f"{footprint.inscribed_radius_m:.3g} to {footprint.circumscribed_radius_m:.3g} m, "
-            "by its heading"
-        )
     return ClearanceError(
         f"the body {footprint} does not fit at the start ({x:g}, {y:g}) of "
         f"{environment.name!r}: the clearance there is {clearance:.6g} m, and it needs "
-        f"{needed}; {instead}",
+        f"{needed_clearance(footprint)}; {instead}",
         clearance,
+    )
+
+
+def needed_clearance(footprint: Footprint) -> str:
+    """Return the clearance that a body needs at a start as text.
+
+    Examples
+    --------
+    >>> needed_clearance(Footprint.disc(0.25)), needed_clearance(Footprint.parse("box:0.6x0.4"))
+    ('more than 0.25 m', '0.2 to 0.361 m, by its heading')
+    """
+    if footprint.is_disc:
+        return f"more than {footprint.radius_m:g} m"
+    return (
+        f"{footprint.inscribed_radius_m:.3g} to {footprint.circumscribed_radius_m:.3g} m, "
+        "by its heading"
     )
 
 

@@ -19,11 +19,11 @@ from multisrt.environments.parts import enclosing, inside
 from multisrt.geometry.bodies.collision import Body, body_distance
 from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
-from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.errors import InvalidInputError, counted
 from multisrt.geometry.numerics.kernel import BoolArray, FloatArray
 from multisrt.planners.motion.kinematics import Car
 from multisrt.simulation.random_streams import RandomStreams
-from multisrt.simulation.rooms import body_fits, misfit
+from multisrt.simulation.rooms import body_fits, misfit, needed_clearance
 from multisrt.spec import RunSpec
 
 GAP_M = 0.25
@@ -38,6 +38,9 @@ it has room beside them.
 
 SUBDIVISION = 3
 """Steps of the lattice of a cluster from one position for a robot to the next."""
+
+MAX_REASONS = 3
+"""Number of suggested starts of which is told why they do not suit a robot."""
 
 CIRCLE_PRECISION_M = 0.01
 """Precision of the largest circle in free space, in metres."""
@@ -216,40 +219,75 @@ def _take_suggested(
 ) -> None:
     # In their order, without those at which a body does not fit or that are cut off from the first.
     left, given = list(environment.starts), len(starts)
-    for number, footprint in enumerate(footprints):
+    for number in range(len(footprints)):
         if number in starts:
             continue
         for place in tuple(left):
             start = Configuration(*place)
-            if component is not None and not shapely.contains_xy(component, *place):
-                continue
-            if not body_fits(environment, footprint, start):
-                continue
-            try:
-                _require_apart(footprints, {**starts, number: start})
-            except InvalidInputError:
+            if _unsuitable(environment, component, footprints, starts, number, start):
                 continue
             left.remove(place)
             starts[number] = start
             component = component or environment.component(*place)
             break
         else:
-            raise _too_few_suggested(environment, len(starts) - given, len(footprints) - given)
+            reasons = [
+                _unsuitable(environment, component, footprints, starts, number, Configuration(*at))
+                for at in left
+            ]
+            raise _too_few_suggested(
+                environment, len(starts) - given, len(footprints) - given, reasons, alone=not given
+            )
 
 
-def _too_few_suggested(environment: Environment, taken: int, wanted: int) -> InvalidInputError:
+def _unsuitable(
+    environment: Environment,
+    component: Polygon | None,
+    footprints: list[Footprint],
+    starts: dict[int, Configuration],
+    number: int,
+    start: Configuration,
+) -> str:
+    # Why a robot cannot take a suggested start; empty if it can.
+    place, footprint = f"({start.x:g}, {start.y:g})", footprints[number]
+    if not body_fits(environment, footprint, start):
+        return (
+            f"the body {footprint} does not fit at {place}, where the clearance is "
+            f"{environment.clearance(start.x, start.y):.6g} m and it needs "
+            f"{needed_clearance(footprint)}"
+        )
+    if component is not None and not shapely.contains_xy(component, start.x, start.y):
+        return f"{place} is in another part of free space"
+    try:
+        _require_apart(footprints, {**starts, number: start})
+    except InvalidInputError:
+        return f"{place} is too near to another robot"
+    return ""
+
+
+def _too_few_suggested(
+    environment: Environment, taken: int, wanted: int, reasons: list[str], *, alone: bool
+) -> InvalidInputError:
+    # `reasons` are those of the starts that are left; `alone` says that no robot has a start given.
     number, otherwise = len(environment.starts), "in another way (--start, --starts)"
+    smaller = any("does not fit" in reason for reason in reasons)
+    why = "; ".join(reasons[:MAX_REASONS])
+    if (more := len(reasons) - MAX_REASONS) > 0:
+        why += f"; and so for {counted(more, 'more start')}"
+    why = f"{why}: " if why else ""
     if not number:
         said = f"no starts: place robots {otherwise}"
     elif not taken:
         said = (
-            f"{number} start{'s' * (number > 1)}, at which no robot has room: choose smaller "
-            f"bodies, or place robots {otherwise}"
+            f"{counted(number, 'start')}, at which no robot has room: {why}"
+            f"{'choose smaller bodies, or ' * smaller}place robots {otherwise}"
         )
     else:
         said = (
-            f"{number} start{'s' * (number > 1)}, with room for {taken} of the {wanted} robots "
-            f"together: choose fewer robots, or place the others {otherwise}"
+            f"{counted(number, 'start')}, with room for {taken} of the {wanted} robots "
+            f"together: {why}choose {'smaller bodies or ' * smaller}fewer robots, "
+            f"{'let the others stand around the first (--starts clustered), ' * alone}"
+            f"or place the others {otherwise}"
         )
     return InvalidInputError(f"{environment.name!r} suggests {said}")
 
@@ -267,16 +305,19 @@ def _largest_room(environment: Environment, free: BaseGeometry, footprint: Footp
     radius = footprint.circumscribed_radius_m
     parts = [part for part in shapely.get_parts(_roomy(free, radius)) if not part.is_empty]
     if not parts:
+        layers = environment.layers
         around, hint = enclosing(environment), degrees_hint(environment)
         where = f"{environment.name!r}"
         if around is not None:
             where = (
                 f"the parts of {where} around which that of {area_text(around.area.area)} m2 lies"
             )
+        remedy = f"choose a smaller body{' or its start' * (around is not None)}"
+        if layers is not None and layers.problem:
+            remedy = layers.problem
         raise InvalidInputError(
             f"the body {footprint} fits nowhere in {where}: it needs a clearance of "
-            f"{radius:.3g} m; choose a smaller body{' or its start' * (around is not None)}"
-            f"{'; ' * bool(hint)}{hint}"
+            f"{radius:.3g} m; {remedy}{'; ' * bool(hint)}{hint}"
         )
     largest: Polygon = max(parts, key=lambda part: part.area)
     return largest

@@ -53,6 +53,20 @@ def read_public(name, resolution_m=0.05):
 needs_maps = pytest.mark.skipif(not HAVE_MAPS, reason="the shared maps are not here")
 
 
+@pytest.mark.parametrize(
+    ("name", "begins", "message"),
+    [
+        ("map.webp", b"RIFF\n\x00\x00\x00WEBPVP8 ", r"map\.webp is a WebP image; save it as PNG"),
+        ("map.npz", b"PK\x03\x04\x2d", r"map\.npz is a zip archive, as \.npz files are; unzip it"),
+        ("map.svgz", b"\x1f\x8b\x08", r"map\.svgz is compressed by gzip, as \.svgz .*; unpack it"),
+    ],
+)
+def test_files_that_have_to_be_converted_are_told_how(tmp_path, name, begins, message):
+    (tmp_path / name).write_bytes(begins)
+    with pytest.raises(MapFormatError, match=message):
+        format_of(tmp_path / name)
+
+
 @pytest.mark.slow
 @needs_maps
 @pytest.mark.parametrize("name", public_maps() if HAVE_MAPS else [])

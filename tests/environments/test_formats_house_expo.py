@@ -43,19 +43,47 @@ def test_the_name_is_the_id_unless_one_is_given(read):
         assert read(id=house).name == "plan"
 
 
-def test_an_outline_that_touches_itself_is_filled_by_the_even_odd_rule(read):
-    # A square that is entered along a spike, and a figure of eight.
-    spike = read(verts=[[0, 0], [4, 0], [6, 0], [4, 0], [4, 4], [0, 4]])
-    assert spike.area_m2 == pytest.approx(16)
-    eight = read(verts=[[0, 0], [4, 4], [4, 0], [0, 4]])
-    assert eight.area_m2 == pytest.approx(8)
+SPIKE = [[0, 0], [4, 0], [6, 0], [4, 0], [4, 4], [0, 4]]
+# Two rooms without a wall between them, entered from a third; and two squares that meet in a point.
+BACK_TO_BACK = [[0, 0], [8, 0], [8, 1], [4, 1], [4, 4], [8, 4], [8, 1], [8, 5], [0, 5]]
+CORNER = [[0, 0], [2, 0], [2, 2], [4, 2], [4, 4], [2, 4], [2, 2], [0, 2]]
+FILM = [[0, 0], [4, 0], [4, 2], [4.0005, 4], [4, 4.0], [4.0005, 2], [4, 4.1], [0, 4]]
+
+
+@pytest.mark.parametrize(("verts", "area_m2"), [(SPIKE, 16), (BACK_TO_BACK, 28), (CORNER, 8)])
+@pytest.mark.parametrize("step", [1, -1])
+def test_an_outline_may_touch_itself(read, verts, area_m2, step):
+    assert read(verts=verts[::step]).area_m2 == pytest.approx(area_m2)
+
+
+def test_an_outline_may_cross_itself_by_less_than_a_millimetre(read):
+    assert read(verts=FILM).area_m2 == pytest.approx(16.2, abs=0.01)
+
+
+BOW = [[0, 0], [10, 8], [10, 0], [0, 8]]
+LOOP = [[0, 0], [6, 0], [6, 4], [2, 4], [2, -1], [0, -1]]
+TWICE = [[0, 0], [4, 0], [4, 4], [1, 4], [1, 1], [3, 1], [3, 5], [0, 5]]
+
+
+@pytest.mark.parametrize(
+    ("verts", "place"),
+    [(BOW, r"\(5, 4\)"), (LOOP, r"\(2, 0\)"), (TWICE, r"\(3, 4\)"), (SPIKE + BOW, ".*")],
+)
+def test_an_outline_that_crosses_itself_is_refused_and_can_be_repaired(
+    read, tmp_path, verts, place
+):
+    with pytest.raises(MapFormatError, match=f"crosses itself at {place}; draw .*--fix") as error:
+        read(verts=verts)
+    assert "plan.json" in str(error.value)
+    world = read_environment(tmp_path / "plan.json", repair=True)
+    assert world.cleaning.repaired_polygons == 1
 
 
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
         ({"verts": "none"}, "has no verts; a floor plan of HouseExpo has a list"),
-        ({"verts": [[0, 0], [1, 1]]}, "has no verts; .* at least three"),
+        ({"verts": [[0, 0], [1, 1]]}, "has 2 vertices in verts; .* at least three"),
         ({"verts": [[0, 0], [1, 1], [2]]}, r"vertex 3 is a list of 1; it must be \[x, y\]"),
         ({"verts": [[0, 0], [1, 1], 5]}, "vertex 3 is 5; it must be"),
         ({"verts": [[0, 0], [1, "a"], [2, 0]]}, "vertex 2 is a list of 2; it must be"),

@@ -239,6 +239,28 @@ def test_aliases_that_multiply_are_refused(room):
         read_environment(path)
 
 
+@pytest.mark.parametrize(
+    ("repeated", "message"),
+    [
+        ("resolution: 0.1", "line 7 states 'resolution' again, after line 2; remove one of them"),
+        ('"resolution": 1', "line 7 states 'resolution' again, after line 2; remove one of them"),
+        ("note: 1\nnote: 1", "line 8 states 'note' again, after line 7"),
+    ],
+)
+def test_a_key_that_is_given_twice_is_refused(room, repeated, message):
+    path = write_yaml(room)
+    path.write_text(path.read_text() + repeated)
+    with pytest.raises(MapFormatError, match=message):
+        read_environment(path)
+
+
+def test_a_key_that_is_given_twice_on_one_line_is_refused(room):
+    path = room / "map.yaml"
+    path.write_text("{image: map.pgm, resolution: 1, resolution: 2}")
+    with pytest.raises(MapFormatError, match="line 1 states 'resolution' again, after line 1"):
+        read_environment(path)
+
+
 def test_large_yaml_and_other_encodings_are_refused(tmp_path):
     path = tmp_path / "map.yaml"
     path.write_bytes(b"# " + b"x" * 2**20)

@@ -57,6 +57,16 @@ def test_a_grid_of_another_size_lies_over_the_map(read):
     )
 
 
+def test_a_grid_of_another_size_is_told(read):
+    other = FIRST.replace("\t5\t3\t", "\t6\t3\t")
+    (note,) = read(FIRST, other).cleaning.notes
+    assert note == (
+        "line 3 states a grid of 6 x 3 cells, but a.map has 5 x 3: is it the map of this "
+        "scenario? Starts scaled to it"
+    )
+    assert not read(FIRST).cleaning.notes
+
+
 def test_starts_are_bounded(read, monkeypatch):
     monkeypatch.setattr(files, "MAX_STARTS", 1)
     assert read(SECOND, FIRST).starts == ((2.25, 0.25),)
@@ -72,9 +82,12 @@ def test_starts_are_bounded(read, monkeypatch):
         ((FIRST.replace("\t5\t", "\t999999999\t"),), "line 2 is .* it has the fields"),
         (
             (FIRST.replace("\t5\t3\t", "\t99999999\t99999999\t"),),
-            "line 2: the start .* not in a gr",
+            "line 2 states a grid of 99999999 x 99999999 cells; grids are read up to 64,000,000",
         ),
-        ((FIRST.replace("\t0\t0\t", "\t5\t0\t"),), r"line 2: the start \(5, 0\) is not in a grid"),
+        (
+            (FIRST.replace("\t0\t0\t", "\t5\t0\t"),),
+            r"line 2: the start \(5, 0\) is not in the grid of 5 x 3 cells that the line",
+        ),
         ((FIRST.replace("\t0\t0\t", "\t1\t1\t"),), r"\(1, 1\) is not in a free cell of a\.map"),
         (
             (FIRST, SECOND.replace("a.map", "b.map")),

@@ -7,6 +7,9 @@ from multisrt.environments.environment import Environment
 from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import ClearanceError, InvalidInputError
+from multisrt.simulation.starts import starts_of
+from multisrt.simulation.worlds import inline
+from multisrt.spec import RobotSpec, RunSpec
 
 BODY = Footprint.disc(0.25)
 WALL = box(4, 0, 4.2, 1.8) | box(4, 2.2, 4.2, 4)
@@ -78,8 +81,23 @@ def test_starts_in_other_parts_or_beside_walls_are_problems():
     assert check.problems == (
         "the suggested start (9.2, 0.5) is in another part than the first",
         "at the suggested start (7.9, 2) the body disc:0.25 does not fit: "
-        "the nearest wall is at 0.1 m",
+        "the nearest wall is at 0.1 m, and it needs more than 0.25 m",
     )
+
+
+@pytest.mark.parametrize("body", ["disc:0.25", "box:0.6x0.4"])
+def test_a_start_at_which_no_run_begins_is_a_problem(body):
+    # As far from the wall as the disc's radius, and less than half the length of the box.
+    world = Environment("hall", box(0, 0, 8, 4), starts=[(4, 2), (0.25, 2)])
+    (problem,) = check_map(world, Footprint.parse(body)).problems
+    assert problem.startswith(
+        f"at the suggested start (0.25, 2) the body {body} does not fit: the nearest wall is at "
+        "0.25 m, and it needs "
+    )
+    robots = (RobotSpec(footprint=body),) * 2
+    spec = RunSpec(environment=inline(world), robots=robots, starts="suggested")
+    with pytest.raises(InvalidInputError, match=r"does not fit at \(0\.25, 2\), where the cle"):
+        starts_of(spec, world)
 
 
 def test_equal_problems_of_starts_are_one():
@@ -89,7 +107,7 @@ def test_equal_problems_of_starts_are_one():
     assert check_map(world, BODY).problems == (
         "the suggested starts (9.1, 1) and (9.1, 2) are in another part than the first",
         "at the suggested starts (0.1, 1), (0.2, 2), (0.1, 3) and 1 more the body disc:0.25 does "
-        "not fit: the nearest walls are at 0.05 to 0.2 m",
+        "not fit: the nearest walls are at 0.05 to 0.2 m, and it needs more than 0.25 m",
     )
 
 

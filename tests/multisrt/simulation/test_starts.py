@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from multisrt.environments.catalog import environment
 from multisrt.environments.environment import Environment
+from multisrt.environments.layers import Layer, Layers
 from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import ClearanceError, InvalidInputError
@@ -166,6 +167,21 @@ def test_a_body_that_fits_nowhere_is_refused():
         start_of(RobotSpec(footprint="disc:4.1", range_finder=FAR), HALL)
 
 
+def test_a_body_that_fits_nowhere_is_told_that_walls_may_be_left_out():
+    layers = Layers(
+        layers=(Layer("0", "", 5), Layer("Columns", "obstacles", 1)),
+        bounds_space=False,
+        remedy="name layers walls to read them",
+    )
+    noname = Environment("noname", shapely.box(0, 0, 0.4, 0.4), layers=layers)
+    said = (
+        r"0\.25 m; no layer is read as walls or free space, and 0 \(5 shapes\) is left out: "
+        "name layers walls to read them$"
+    )
+    with pytest.raises(InvalidInputError, match=said):
+        start_of(RobotSpec(), noname)
+
+
 def test_a_suggested_start_is_checked_like_a_given_one():
     suggested = Environment("hall", HALL.free, starts=[(3.0, 2.0), (1.0, 1.0)])
     assert start_of(RobotSpec(), suggested) == (3.0, 2.0, 0.0)
@@ -256,17 +272,48 @@ def test_a_team_takes_the_suggested_starts_at_which_it_has_room():
     assert [start[:2] for start in found] == [places[0], places[4], places[5]]
     beside = starts(world, [RobotSpec(start=(21, 2.5, 0.5)), RobotSpec()], starts="suggested")
     assert beside[1][:2] == places[3]
-    said = "suggests 6 starts, with room for 3 of the 4 robots together: choose fewer robots"
-    with pytest.raises(InvalidInputError, match=said):
+    with pytest.raises(InvalidInputError) as error:
         starts(world, team(4), starts="suggested")
+    assert str(error.value) == (
+        "'rooms' suggests 6 starts, with room for 3 of the 4 robots together: the body disc:0.25 "
+        "does not fit at (0.1, 2.5), where the clearance is 0.1 m and it needs more than 0.25 m; "
+        "(2.2, 2.5) is too near to another robot; (22, 2.5) is in another part of free space: "
+        "choose smaller bodies or fewer robots, let the others stand around the first "
+        "(--starts clustered), or place the others in another way (--start, --starts)"
+    )
     few = [RobotSpec(start=(4, 1)), *team(4)]
     with pytest.raises(InvalidInputError, match="room for 3 of the 4 robots together"):
         starts(world, few, starts="suggested")
     with pytest.raises(InvalidInputError, match="'hall' suggests no starts: place robots in ano"):
         starts(HALL, team(1), starts="suggested")
     narrow = Environment("hall", HALL.free, starts=[(0.1, 4.0)])
-    with pytest.raises(InvalidInputError, match="suggests 1 start, at which no robot has room"):
+    said = (
+        "suggests 1 start, at which no robot has room: the body disc:0.25 does not fit at "
+        r"\(0.1, 4\), where the clearance is 0.1 m and it needs more than 0.25 m: choose smaller "
+        r"bodies, or place robots in another way \(--start, --starts\)$"
+    )
+    with pytest.raises(InvalidInputError, match=said):
         starts(narrow, team(1), starts="suggested")
+
+
+def test_too_few_suggested_starts_are_told_with_the_starts_that_begin_there():
+    world = Environment("hall", HALL.free, starts=[(3.0, 2.5)])
+    said = (
+        "suggests 1 start, with room for 1 of the 2 robots together: choose fewer robots, let the "
+        r"others stand around the first \(--starts clustered\), or place the others"
+    )
+    with pytest.raises(InvalidInputError, match=said):
+        starts(world, team(2), starts="suggested")
+    assert starts(world, team(2), starts="clustered")[0] == (3.0, 2.5, 0.0)
+    with pytest.raises(InvalidInputError, match="choose fewer robots, or place the others"):
+        starts(world, [RobotSpec(start=(6, 2)), *team(2)], starts="suggested")
+
+
+def test_of_many_unsuitable_starts_the_first_are_told():
+    places = [(0.1, 1.0 + number) for number in range(5)]
+    world = Environment("hall", HALL.free, starts=[(3.0, 2.5), *places])
+    with pytest.raises(InvalidInputError, match=r"than 0\.25 m; and so for 2 more starts: choose"):
+        starts(world, team(2), starts="suggested")
 
 
 def test_a_cluster_is_as_dense_as_documented():

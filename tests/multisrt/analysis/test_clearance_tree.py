@@ -198,13 +198,13 @@ def test_doors_on_both_sides_of_an_anteroom_are_two_passages():
 
 
 def test_long_walls_of_wide_halls_take_few_triangles():
-    # Two halls of 800 x 500 m with a door of 1.5 m in a wall of 20 m.
-    wall = box(800, -1, 820, 501) - box(799, 200, 821, 201.5)
-    tree = tree_of(box(0, 0, 1620, 500) - wall)
+    # Two halls of 400 x 300 m with a door of 1.5 m in a wall of 20 m.
+    wall = box(400, -1, 420, 301) - box(399, 200, 421, 201.5)
+    tree = tree_of(box(0, 0, 820, 300) - wall)
     (door,) = tree.passages(100.0)
     assert door.width_m == pytest.approx(1.5, abs=1e-9)
-    assert tree.radii.max() == pytest.approx(250.0, rel=1e-3)
-    assert tree.areas.sum() == pytest.approx(2 * 800 * 500 + 20 * 1.5)
+    assert tree.radii.max() == pytest.approx(150.0, rel=1e-3)
+    assert tree.areas.sum() == pytest.approx(2 * 400 * 300 + 20 * 1.5)
     assert len(tree.areas) < 20_000
 
 

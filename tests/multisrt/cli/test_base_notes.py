@@ -99,12 +99,12 @@ def test_a_limit_too_short_to_find_the_way_is_told(capsys, tmp_path):
 )
 def test_without_the_option_it_is_named_where_there_is_one(strategy, said):
     run = ms.explore(
-        "open",
+        ROOMS,
         strategy=strategy,
-        starts=[(1.0, 1.0)],
-        base=(18.0, 18.0),
+        starts=[(4.0, 1.0)],
+        base=(12.0, 3.0),
         radio_range_m=1.0,
-        max_time_s=5.0,
+        max_time_s=3.0,
     )
     assert nothing_delivered(run) == f"the base station learned nothing{said}"
 

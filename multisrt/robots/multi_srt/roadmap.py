@@ -105,7 +105,7 @@ class SrtRoadmap:
         if node.parent is None or out_and_back is None:
             return
         parent = self.map[node.parent]
-        self.graph.connect(parent.id, node.id)
+        self._connect(parent.id, node.id)
         first, last = out_and_back.out.waypoints[0], out_and_back.out.waypoints[-1]
         self._turns[node.id] = last.heading - first.heading
         if out_and_back.back is not None:
@@ -153,6 +153,12 @@ class SrtRoadmap:
         # Whether there is an edge that no bridge would improve.
         return self.graph.joins(a, b) and (a, b) not in self._narrow
 
+    def _connect(self, a: NodeId, b: NodeId) -> None:
+        # A node of another robot may have been heard of since `extend`.
+        self._place(self.map[a])
+        self._place(self.map[b])
+        self.graph.connect(a, b)
+
     def _place(self, node: Node) -> None:
         self.graph.add(node.id, node.configuration.x, node.configuration.y)
 
@@ -162,13 +168,13 @@ class SrtRoadmap:
             if there is None or back is None:
                 return
             self._driven[a.id, b.id], self._driven[b.id, a.id] = there, back
-            self.graph.connect(a.id, b.id)
+            self._connect(a.id, b.id)
         else:
             self.join(a.id, b.id)
 
     def join(self, a: NodeId, b: NodeId) -> None:
         """Add an edge: a straight path on which the body fits in any heading."""
-        self.graph.connect(a, b)
+        self._connect(a, b)
         self._narrow.difference_update(((a, b), (b, a)))
         self._has_room.update((a, b))
 

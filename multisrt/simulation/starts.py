@@ -222,19 +222,17 @@ def _take_suggested(
     for number in range(len(footprints)):
         if number in starts:
             continue
+        reasons = []
         for place in tuple(left):
             start = Configuration(*place)
-            if _unsuitable(environment, component, footprints, starts, number, start):
+            if why := _unsuitable(environment, component, footprints, starts, number, start):
+                reasons.append(why)
                 continue
             left.remove(place)
             starts[number] = start
             component = component or environment.component(*place)
             break
         else:
-            reasons = [
-                _unsuitable(environment, component, footprints, starts, number, Configuration(*at))
-                for at in left
-            ]
             raise _too_few_suggested(
                 environment, len(starts) - given, len(footprints) - given, reasons, alone=not given
             )

@@ -105,7 +105,8 @@ class SrtRoadmap:
         if node.parent is None or out_and_back is None:
             return
         parent = self.map[node.parent]
-        self._connect(parent.id, node.id)
+        self._place(parent)  # of another robot, it may have been heard of since `extend`
+        self.graph.connect(parent.id, node.id)
         first, last = out_and_back.out.waypoints[0], out_and_back.out.waypoints[-1]
         self._turns[node.id] = last.heading - first.heading
         if out_and_back.back is not None:
@@ -153,12 +154,6 @@ class SrtRoadmap:
         # Whether there is an edge that no bridge would improve.
         return self.graph.joins(a, b) and (a, b) not in self._narrow
 
-    def _connect(self, a: NodeId, b: NodeId) -> None:
-        # A node of another robot may have been heard of since `extend`.
-        self._place(self.map[a])
-        self._place(self.map[b])
-        self.graph.connect(a, b)
-
     def _place(self, node: Node) -> None:
         self.graph.add(node.id, node.configuration.x, node.configuration.y)
 
@@ -168,13 +163,16 @@ class SrtRoadmap:
             if there is None or back is None:
                 return
             self._driven[a.id, b.id], self._driven[b.id, a.id] = there, back
-            self._connect(a.id, b.id)
+            self.graph.connect(a.id, b.id)
         else:
             self.join(a.id, b.id)
 
     def join(self, a: NodeId, b: NodeId) -> None:
-        """Add an edge: a straight path on which the body fits in any heading."""
-        self._connect(a, b)
+        """Add an edge: a straight path on which the body fits in any heading.
+
+        `extend` has added both nodes.
+        """
+        self.graph.connect(a, b)
         self._narrow.difference_update(((a, b), (b, a)))
         self._has_room.update((a, b))
 

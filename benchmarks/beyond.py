@@ -2,7 +2,9 @@
 
 ``python -m benchmarks.beyond run beyond.sqlite --maps FOLDER`` makes the runs that the store lacks,
 ``python -m benchmarks.beyond page beyond.sqlite`` prints their page in Markdown. The worlds are
-fifteen of the suites and, if their folder is given, five maps of other projects.
+fifteen of the suites and, if their folder is given, five maps of other projects. A few repetitions
+of all strategies show which of the papers' is the best; with ``--strategies`` only this one and
+that of this project are repeated more often, in a store of their own. The page takes both stores.
 """
 
 from __future__ import annotations
@@ -123,8 +125,8 @@ class Comparison:
         is infinite.
     faster, slower : int
         Cells in which the first is significantly faster, or slower, after Holm's correction.
-    cells : int
-        Number of cells.
+    cells, pairs : int
+        Number of cells, and of pairs of runs in all of them.
     """
 
     ratio: Interval
@@ -133,6 +135,7 @@ class Comparison:
     faster: int
     slower: int
     cells: int
+    pairs: int
 
 
 def compared(runs: pd.DataFrame, first: str, second: str, quantity: str) -> Comparison:
@@ -163,7 +166,30 @@ def compared(runs: pd.DataFrame, first: str, second: str, quantity: str) -> Comp
             ok and found.a_lower < 0.5 for ok, found in zip(is_significant, tests, strict=True)
         ),
         cells=len(cells),
+        pairs=sum(map(len, ones)),
     )
+
+
+def of_all_strategies(runs: pd.DataFrame) -> pd.DataFrame:
+    """Return the runs of those repetitions that all strategies have in a cell."""
+    pair = [*CELL, "repetition"]
+    count = runs.groupby(pair)["strategy"].transform("nunique")
+    return runs[count == runs["strategy"].nunique()]
+
+
+def united(tables: Sequence[pd.DataFrame]) -> pd.DataFrame:
+    """Return the runs of several stores, each once.
+
+    Raises
+    ------
+    SystemExit
+        If two stores have different recordings of a run, as those of two versions of the program.
+    """
+    runs = pd.concat(tables, ignore_index=True)
+    key = [*CELL, "strategy", "repetition"]
+    if (runs.groupby(key)["digest"].nunique() > 1).any():
+        raise SystemExit("the stores have different recordings of the same runs: make one anew")
+    return runs.drop_duplicates(key)
 
 
 def best_of(runs: pd.DataFrame, names: Sequence[str], quantity: str) -> str:
@@ -195,7 +221,7 @@ def page(runs: pd.DataFrame) -> list[str]:
         "",
         f"{len(runs):,} runs: {runs['environment'].nunique()} worlds, teams of "
         f"{', '.join(map(str, sorted(runs['robots'].unique())))}, full and limited radio (10 m, "
-        f"walls block), {runs['repetition'].nunique()} repetitions; robots start close together. "
+        f"walls block), {_repetitions(runs)}; robots start close together. "
         "The worlds are of the suites, which no strategy was tuned on, and maps of other "
         f"projects. {complete:.1%} of the runs are complete; {runs['collisions'].sum():.0f} "
         "collisions. Runs are paired by repetition. A ratio is that of the times, below 1 if the "
@@ -210,7 +236,7 @@ def page(runs: pd.DataFrame) -> list[str]:
             continue
         lines += [f"## With {radio} radio", ""]
         for quantity, words in QUANTITIES.items():
-            best = best_of(part, papers, quantity)
+            best = best_of(of_all_strategies(part), papers, quantity)
             rows = [
                 _row(name, f"{other} (best)" if other == best else other, found)
                 for name in ours
@@ -221,38 +247,60 @@ def page(runs: pd.DataFrame) -> list[str]:
             lines += [
                 f"Against the strategy of the papers with the lowest median in each cell, which is "
                 f"known only afterwards, the mean of `{name}` is "
-                f"{beside_the_best(part, name, papers, quantity):.3f}.\n"
+                f"{beside_the_best(of_all_strategies(part), name, papers, quantity):.3f}.\n"
                 for name in ours
             ]
-        best = best_of(part, papers, TIME)
+        best = best_of(of_all_strategies(part), papers, TIME)
         lines += [
             f"By team size, against `{best}`, time to 99 %:",
             "",
             markdown_table(
                 ("robots", *COLUMNS[2:]),
-                [
-                    (str(team), *_row(name, best, compared(of_team, name, best, TIME))[2:])
-                    for name in ours
-                    for team, of_team in part.groupby("robots", sort=True)
-                ],
+                _rows_by(part, "robots", ours, best),
             ),
             "",
             f"By world, against `{best}`, time to 99 %:",
             "",
             markdown_table(
                 ("world", *COLUMNS[2:]),
-                [
-                    (str(world), *_row(name, best, compared(of_world, name, best, TIME))[2:])
-                    for name in ours
-                    for world, of_world in part.groupby("environment", sort=True)
-                ],
+                _rows_by(part, "environment", ours, best),
             ),
             "",
         ]
     return lines + _regrets(runs, present)
 
 
-COLUMNS: Final = ("strategy", "against", "ratio", "mean", "p", "cells", "faster in", "slower in")
+COLUMNS: Final = (
+    "strategy",
+    "against",
+    "ratio",
+    "mean",
+    "p",
+    "pairs",
+    "cells",
+    "faster in",
+    "slower in",
+)
+
+
+def _repetitions(runs: pd.DataFrame) -> str:
+    """Return how often the cells were repeated, such as "2 repetitions of all strategies"."""
+    of = runs.groupby("strategy")["repetition"].nunique()
+    fewest = of.min()
+    often = [f"{count} of `{name}`" for name, count in of.items() if count > fewest]
+    return ", ".join([f"{fewest} repetitions of all strategies", *often])
+
+
+def _rows_by(
+    runs: pd.DataFrame, column: str, names: Sequence[str], other: str
+) -> list[tuple[str, ...]]:
+    """Return the comparisons with another strategy by team size, or by world."""
+    return [
+        (str(value), *_row(name, other, compared(part, name, other, TIME))[2:])
+        for name in names
+        for value, part in runs.groupby(column, sort=True)
+        if {name, other} <= set(part["strategy"])
+    ]
 
 
 def _row(name: str, other: str, found: Comparison) -> tuple[str, ...]:
@@ -263,6 +311,7 @@ def _row(name: str, other: str, found: Comparison) -> tuple[str, ...]:
         f"{ratio.value:.3f} ({ratio.low:.3f} to {ratio.high:.3f})",
         f"{found.mean:.3f}",
         f"{found.p_value:.2g}",
+        str(found.pairs),
         str(found.cells),
         str(found.faster),
         str(found.slower),
@@ -330,7 +379,7 @@ def main() -> None:
         )
         ms.compare(spec, store=given.store, workers=given.workers)
     else:
-        print("\n".join(page(pd.concat([load_results(store) for store in given.stores]))))
+        print("\n".join(page(united([load_results(store) for store in given.stores]))))
 
 
 if __name__ == "__main__":

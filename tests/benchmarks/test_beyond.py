@@ -13,7 +13,9 @@ from benchmarks.beyond import (
     best_of,
     compared,
     experiment,
+    of_all_strategies,
     page,
+    united,
 )
 from multisrt.experiments.crossing import runs as runs_of
 
@@ -59,7 +61,7 @@ def test_a_strategy_is_compared_by_pairs():
     found = compared(made(TIMES), "gain", "minpos", "time_to_99_s")
     assert found.ratio.low < 2.0 / 3.0 < found.ratio.high
     assert found.mean == pytest.approx(2.0 / 3.0, rel=0.01)
-    assert (found.cells, found.faster, found.slower) == (8, 8, 0)
+    assert (found.cells, found.pairs, found.faster, found.slower) == (8, 96, 8, 0)
     assert found.p_value < 0.001
 
 
@@ -86,3 +88,20 @@ def test_the_page_compares_with_the_best():
     assert "\n| gain | utility (best) |" in text
     assert "in each cell, which is known only afterwards, the mean of `gain` is 0.8" in text
     assert "\n| full | gain | 1.14 | 1.14 | 1.14 |" in text
+
+
+def test_two_strategies_may_be_repeated_more_often_in_a_store_of_their_own():
+    both = made({"gain": 80.0, "utility": 100.0}, repetitions=12).assign(digest="a")
+    runs = united([made(TIMES, repetitions=2).assign(digest="a"), both])
+    assert len(runs) == 8 * (2 * 3 + 10 * 2)
+    assert set(of_all_strategies(runs)["repetition"]) == {0, 1}
+    text = "\n".join(page(runs))
+    assert "2 repetitions of all strategies, 12 of `gain`, 12 of `utility`;" in text
+    full = text[text.index("With full radio") : text.index("By team size")]
+    assert [row.split(" | ")[5] for row in full.splitlines() if "utility" in row] == ["48", "48"]
+
+
+def test_stores_of_two_versions_of_the_program_are_refused():
+    runs = made(TIMES, repetitions=2)
+    with pytest.raises(SystemExit, match="make one anew"):
+        united([runs.assign(digest="a"), runs.assign(digest="b")])

@@ -46,11 +46,11 @@ from multisrt.planners.viewing import (
     REFUSALS,
     Leads,
     PlaceFinder,
+    Questions,
     Refusal,
     ViewingPlace,
     Viewpoint,
     arc_points,
-    asked_at_most,
     lattice,
 )
 
@@ -328,13 +328,12 @@ class SrtPlanner:
             The place and the path there, or why there is none; see `Refusal`.
         """
         found: ViewingPlace | Refusal = "seen from near"
-        if leads is not None:
-            leads = asked_at_most(leads, MAX_ASKED)
+        questions = None if leads is None else Questions(leads, MAX_ASKED)
         for step in LATTICE_STEPS:
             if found == "seen from near":
                 places = lattice(within_m, step * self.d_min_m)
                 found = self._place_on(
-                    places, arc, known, nodes, leads, bodies, past_bodies=past_bodies
+                    places, arc, known, nodes, questions, bodies, past_bodies=past_bodies
                 )
         return found
 
@@ -344,7 +343,7 @@ class SrtPlanner:
         arc: FloatArray,
         known: KnownSpace,
         nodes: Sequence[Viewpoint],
-        leads: Leads | None,
+        questions: Questions | None,
         bodies: FloatArray | None,
         *,
         past_bodies: bool,
@@ -365,7 +364,7 @@ class SrtPlanner:
             if bodies is not None:
                 places = places[paths_keep_clear(np.hstack([places, places]), bodies)]
             in_the_way = None if past_bodies else bodies
-            found = self._finder.first_place(places, known, nodes, leads, in_the_way)
+            found = self._finder.first_place(places, known, nodes, questions, in_the_way)
             if not isinstance(found, str):
                 return found
             reasons.append(found)

@@ -50,6 +50,34 @@ Leads = Callable[[int, float, float], bool]
 """Whether a path leads from a node, given by its index, to a place x, y and back."""
 
 
+class Questions:
+    """Asks whether paths lead to places, no more than some times.
+
+    Parameters
+    ----------
+    leads : callable
+        Answers.
+    times : int
+        Number of questions.
+    """
+
+    def __init__(self, leads: Leads, times: int) -> None:
+        self._leads = leads
+        self._left = times
+
+    @property
+    def are_used_up(self) -> bool:
+        """Whether no question is left."""
+        return self._left <= 0
+
+    def ask(self, node: int, x: float, y: float) -> bool:
+        """Return whether a path leads to a place; False if no question is left."""
+        if self.are_used_up:
+            return False
+        self._left -= 1
+        return self._leads(node, x, y)
+
+
 class Viewpoint(Protocol):
     """A node, as far as the planner is concerned."""
 
@@ -102,7 +130,7 @@ class PlaceFinder:
         places: FloatArray,
         known: KnownSpace,
         nodes: Sequence[Viewpoint],
-        leads: Leads | None = None,
+        questions: Questions | None = None,
         bodies: FloatArray | None = None,
     ) -> ViewingPlace | Refusal:
         """Return the first of some places that has a path from a node.
@@ -117,8 +145,8 @@ class PlaceFinder:
             The known space around them.
         nodes : sequence of Viewpoint
             All nodes near by.
-        leads : callable, optional
-            Decides instead, for a body that does not drive straight. It is asked of no place that
+        questions : Questions, optional
+            Decide instead, for a body that does not drive straight. They are asked of no place that
             is nearer than `spacing_m` to one to which no path leads.
         bodies : (m, 3) array, optional
             x, y and required distance of bodies that paths must not pass.
@@ -134,8 +162,8 @@ class PlaceFinder:
         places = places[nearest_points(spots, places) >= self.spacing_m]
         if not len(places):
             return "seen from near"
-        if leads is not None:
-            return self._first_asked_for(places, spots, leads)
+        if questions is not None:
+            return self._first_asked_for(places, spots, questions)
         return self._first_straight(places, known, nodes, spots, bodies)
 
     def may_begin(
@@ -185,13 +213,13 @@ class PlaceFinder:
         return "not reachable"
 
     def _first_asked_for(
-        self, places: FloatArray, spots: FloatArray, leads: Leads
+        self, places: FloatArray, spots: FloatArray, questions: Questions
     ) -> ViewingPlace | Refusal:
-        while len(places):
+        while len(places) and not questions.are_used_up:
             x, y = places[0].tolist()
             distances = np.hypot(spots[:, 0] - x, spots[:, 1] - y)
             for k in np.argsort(distances, kind="stable")[:ASKED_NODES].tolist():
-                if leads(k, x, y):
+                if questions.ask(k, x, y):
                     return ViewingPlace(x, y, k, roomy=False)
             apart = np.hypot(*(places[1:] - places[0]).T) >= self.spacing_m
             places = places[1:][apart]
@@ -240,12 +268,6 @@ def arc_points(arc: FloatArray, spacing: float) -> list[tuple[float, float, floa
         x, y = (arc[i, :2] + t * (arc[i, 2:] - arc[i, :2])).tolist()
         points.append((x, y, -dy / float(lengths[i]), dx / float(lengths[i])))
     return sorted(points, key=lambda point: abs(points.index(point) - pairs))
-
-
-def asked_at_most(leads: Leads, times: int) -> Leads:
-    """Return a function that asks whether a path leads to a place, but no more than some times."""
-    answers_left = iter(range(times))
-    return lambda node, x, y: next(answers_left, None) is not None and leads(node, x, y)
 
 
 @lru_cache(maxsize=16)

@@ -39,6 +39,24 @@ MAX_SEED = 2**31 - 1
 """Maximum seed of OMPL; the minimum is 1."""
 
 
+class Checks:
+    """The motions that sampling-based plans may still check.
+
+    Parameters
+    ----------
+    left : int
+        Their number.
+    """
+
+    def __init__(self, left: int = MAX_CHECKS) -> None:
+        self.left = left
+
+    def are_used_up(self) -> bool:
+        """Whether none are left; an iteration counts as one, as it may check no motion."""
+        self.left -= 1
+        return self.left < 0
+
+
 def car_trajectory(
     body: PlanningBody,
     car: Car,
@@ -83,7 +101,7 @@ def car_trajectory(
     if room is None:
         return None
     return shortest_curve(car, room, start, goal) or _planned(
-        car, room, start, goal, seed, _Budget(max_checks)
+        car, room, start, goal, seed, Checks(max_checks)
     )
 
 
@@ -95,8 +113,7 @@ def car_out_and_back(
     x: float,
     y: float,
     seed: int,
-    *,
-    max_checks: int = MAX_CHECKS,
+    checks: Checks | None = None,
 ) -> tuple[Trajectory, Trajectory] | None:
     """Return a motion to a place and one back, both inside a region.
 
@@ -115,8 +132,9 @@ def car_out_and_back(
         The place in metres.
     seed : int
         Seed of the sampling-based planner, 0 or more.
-    max_checks : int
-        Maximum number of motions that all plans together check; 0 to try shortest curves only.
+    checks : Checks, optional
+        The motions that sampling-based plans may check; none are left: shortest curves only.
+        Default: `MAX_CHECKS`.
 
     Returns
     -------
@@ -138,13 +156,13 @@ def car_out_and_back(
         found.append((goal, out, back))
     # Headings for which one direction is known already come first.
     found.sort(key=lambda known: known[1] is None and known[2] is None)
-    budget = _Budget(max_checks)
+    checks = Checks() if checks is None else checks
     for goal, out, back in found[:MAX_PLANS]:
-        out = out or _planned(car, room, start, goal, seed, budget)
+        out = out or _planned(car, room, start, goal, seed, checks)
         if car.reverse:
             back = _back(out)
         elif out is not None and back is None:
-            back = _planned(car, room, goal, start, seed, budget)
+            back = _planned(car, room, goal, start, seed, checks)
         if out is not None and back is not None:
             return out, back
     return None
@@ -173,28 +191,16 @@ def shortest_curve(
     return motion if room.lets_pass(motion.waypoints) else None
 
 
-class _Budget:
-    """The number of motions that sampling-based plans may still check."""
-
-    def __init__(self, checks: int) -> None:
-        self.left = checks
-
-    def is_used_up(self) -> bool:
-        # An iteration counts as well, as it may check no motion.
-        self.left -= 1
-        return self.left < 0
-
-
 def _planned(
     car: Car,
     room: Room,
     start: Configuration,
     goal: Configuration,
     seed: int,
-    budget: _Budget,
+    checks: Checks,
 ) -> Trajectory | None:
     """Return a sampling-based plan in the car's state space, shortened where possible."""
-    if budget.is_used_up():
+    if checks.are_used_up():
         return None
     from ompl import base, geometric, util
 
@@ -210,7 +216,7 @@ def _planned(
     information = base.SpaceInformation(space)
 
     def lets_pass(first: Any, last: Any) -> bool:
-        budget.left -= 1
+        checks.left -= 1
         a, b = _configuration(first), _configuration(last)
         return room.holds(b) and shortest_curve(car, room, a, b) is not None
 
@@ -226,7 +232,7 @@ def _planned(
     planner.setRange(STRIDE * car.turning_radius_m)
     planner.setProblemDefinition(problem)
     planner.setup()
-    planner.solve(base.PlannerTerminationCondition(budget.is_used_up))
+    planner.solve(base.PlannerTerminationCondition(checks.are_used_up))
     if not problem.hasExactSolution():
         return None
     path = problem.getSolutionPath()

@@ -20,7 +20,13 @@ from multisrt.geometry.configuration import Configuration, wrap_angle
 from multisrt.geometry.numerics.distances import inside
 from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.planners.motion.body import PlanningBody
-from multisrt.planners.motion.car import ARRIVAL_TURNS, MAX_SEED, car_out_and_back, shortest_curve
+from multisrt.planners.motion.car import (
+    ARRIVAL_TURNS,
+    MAX_SEED,
+    Checks,
+    car_out_and_back,
+    shortest_curve,
+)
 from multisrt.planners.motion.curves import curve_length
 from multisrt.planners.motion.kinematics import Car
 from multisrt.planners.motion.room import Room
@@ -147,7 +153,7 @@ class CarPlanner:
         for x, y, _, _ in ends:
             seed = int(self._me.rng.integers(1, MAX_SEED))
             found = car_out_and_back(
-                self._body, self._car, rings, here.end, x, y, seed, max_checks=MAX_CHECKS
+                self._body, self._car, rings, here.end, x, y, seed, Checks(MAX_CHECKS)
             )
             if found is not None:
                 return Excursion(here, *found, 0.0)

@@ -11,7 +11,7 @@ from shapely.geometry.base import BaseGeometry
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.planners.motion.body import PlanningBody
-from multisrt.planners.motion.car import MAX_SEED, car_out_and_back, car_trajectory
+from multisrt.planners.motion.car import MAX_SEED, Checks, car_out_and_back, car_trajectory
 from multisrt.planners.motion.kinematics import Car, Holonomic, turns_between
 from multisrt.planners.motion.roadmap import Roadmap
 from multisrt.planners.motion.steering import steer, turn_and_drive
@@ -211,16 +211,21 @@ class SrtRoadmap:
         motion = steer(self.body, drive, boundary, at, x, y)
         return None if motion is None else OutAndBack(motion)
 
-    def leads(self, node: Node, known: BaseGeometry, x: float, y: float) -> bool:
+    def leads(self, node: Node, known: BaseGeometry, x: float, y: float, checks: Checks) -> bool:
         """Whether a car gets from a node to a place and back within a part of the known space."""
-        return self._plans(node.configuration, known, x, y)
+        return self._plans(node.configuration, known, x, y, checks)
 
     def _plans(
-        self, at: Configuration, region: FloatArray | BaseGeometry, x: float, y: float
+        self,
+        at: Configuration,
+        region: FloatArray | BaseGeometry,
+        x: float,
+        y: float,
+        checks: Checks | None = None,
     ) -> bool:
         assert isinstance(self.me.kinematics, Car)
         seed = int(self.me.rng.integers(1, MAX_SEED))
-        found = car_out_and_back(self.body, self.me.kinematics, region, at, x, y, seed)
+        found = car_out_and_back(self.body, self.me.kinematics, region, at, x, y, seed, checks)
         if found is None:
             return False
         self._planned[x, y] = OutAndBack(*found)

@@ -11,6 +11,7 @@ from shapely.geometry.base import BaseGeometry
 
 from multisrt.events import ClosingReason
 from multisrt.geometry.numerics.kernel import FloatArray
+from multisrt.planners.motion.car import MAX_CHECKS, Checks
 from multisrt.planners.srt import SrtPlanner
 from multisrt.planners.viewing import CLOSE_BY, Refusal, ViewingPlace, arc_points
 from multisrt.robots.explorer import RobotSelf
@@ -20,6 +21,10 @@ from multisrt.robots.multi_srt.targets import Barred, NewPlace
 
 WIDEST_WINDOW = 1.5
 """Half width of the widest window in which a place is looked for, in sensing ranges."""
+
+MAX_VAIN_PLANS = 4
+"""Plans of a car for places that see an arc, after which only shortest curves are tried: further
+plans would nearly always be in vain, too."""
 
 SPOTS_AROUND = 2.0
 """Half width of the square around a spot in which looks at it show something, in spots."""
@@ -176,7 +181,16 @@ class Views:
         return Barred(bodies) if bodies else reason
 
     def _leads(self, near: list[Node], known: BaseGeometry) -> Callable[[int, float, float], bool]:
-        return lambda k, x, y: self._routes.roadmap.leads(near[k], known, x, y)
+        vain_plans = 0
+
+        def leads(k: int, x: float, y: float) -> bool:
+            nonlocal vain_plans
+            checks = Checks(MAX_CHECKS if vain_plans < MAX_VAIN_PLANS else 0)
+            found = self._routes.roadmap.leads(near[k], known, x, y, checks)
+            vain_plans += not found and checks.left <= 0
+            return found
+
+        return leads
 
     def _windows(self) -> list[float]:
         # Half widths of the windows in which a place is looked for: near the arc first, which is

@@ -13,7 +13,7 @@ from multisrt.geometry.bodies.collision import CollisionWorld
 from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
 from multisrt.planners.motion.body import PlanningBody
-from multisrt.planners.motion.car import car_out_and_back, car_trajectory
+from multisrt.planners.motion.car import Checks, car_out_and_back, car_trajectory
 from multisrt.planners.motion.curves import curve_length
 from multisrt.planners.motion.kinematics import Car
 from multisrt.planners.motion.trajectory import Trajectory, leg_length
@@ -166,7 +166,7 @@ def test_paths_stay_in_the_region(obstacles, body, car, start, goal, seed):
     region = HALL.difference(shapely.union_all(obstacles))
     start, goal = Configuration(*start), Configuration(*goal)
     out_and_back = (
-        car_out_and_back(body, car, region, start, goal.x, goal.y, seed, max_checks=200) or ()
+        car_out_and_back(body, car, region, start, goal.x, goal.y, seed, Checks(200)) or ()
     )
     driven = car_trajectory(body, car, region, start, goal, seed, max_checks=200)
     for motion in (*out_and_back, *(() if driven is None else (driven,))):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -153,26 +154,59 @@ def check_positive(**values: float) -> None:
             raise InvalidInputError(f"{name} is {value}; it must be positive")
 
 
+CostOf = Callable[[int, int], float]
+"""Returns the cost of a robot to a target."""
+
+
+class LazyCosts(NamedTuple):
+    """Costs of which those of other robots are computed only if a choice depends on them.
+
+    Attributes
+    ----------
+    bounds : (n, m) array
+        Costs of the robot that chooses, and lower bounds of those of the others, in metres.
+    cost_of : callable
+        Returns the cost of another robot to a target in metres, ``inf`` if there is no path. A
+        robot with a path to one target has to have paths to all.
+    """
+
+    bounds: FloatArray
+    cost_of: CostOf
+
+
 class Auction:
     """Targets that robots take in order of value, and what is left to whom.
 
     Parameters
     ----------
     costs : (n, m) array
-        Cost of each robot to each target in metres; ``inf`` where there is no path.
+        Cost of each robot to each target in metres; ``inf`` where there is no path. With
+        `cost_of`, those of the other robots are lower bounds.
     areas : (m,) array
         What each target is worth in square metres.
     apart : (m, m) array
         Euclidean distances between targets in metres.
     rule : Values
         How targets are valued.
+    robot : int
+        Row of the robot that chooses.
+    cost_of : callable, optional
+        As in `LazyCosts`.
     """
 
     def __init__(
-        self, costs: FloatArray, areas: FloatArray, apart: FloatArray, rule: Values
+        self,
+        costs: FloatArray,
+        areas: FloatArray,
+        apart: FloatArray,
+        rule: Values,
+        robot: int,
+        cost_of: CostOf | None = None,
     ) -> None:
-        self._apart, self._rule = apart, rule
+        self._apart, self._rule, self._cost_of = apart, rule, cost_of
         self._ways, self._is_open = costs.copy(), np.isfinite(costs)
+        self._is_bound = np.full(costs.shape, cost_of is not None)
+        self._is_bound[robot] = False
         self._left = np.tile(areas, (len(costs), 1))
 
     def is_open_to(self, robot: int) -> bool:
@@ -188,9 +222,7 @@ class Auction:
             As in `GainChoice`.
         """
         rule, left = self._rule, self._left
-        values: FloatArray = np.where(
-            self._is_open, left * (self._ways + rule.nearest_m) ** -rule.power, -1.0
-        )
+        values = self._values()
         # Where nothing is left they go to the nearest.
         lengths = np.where(values == values.max(), self._ways, np.inf)
         taker, target = divmod(int(np.argmin(lengths)), values.shape[1])
@@ -199,6 +231,23 @@ class Auction:
         left *= np.minimum(1.0, self._apart[target] / rule.range_m)
         left[taker] = kept
         return found
+
+    def _values(self) -> FloatArray:
+        """Return the values of all pairs; the highest are no bounds."""
+        rule = self._rule
+        while True:
+            values: FloatArray = np.where(
+                self._is_open, self._left * (self._ways + rule.nearest_m) ** -rule.power, -1.0
+            )
+            bounds = np.argwhere(self._is_bound & (values == values.max()))
+            if not len(bounds):
+                return values
+            assert self._cost_of is not None
+            for robot, target in bounds.tolist():
+                cost = self._cost_of(robot, target)
+                self._ways[robot, target] = cost
+                self._is_open[robot, target] = math.isfinite(cost)
+                self._is_bound[robot, target] = False
 
     def go_on(self, taker: int, target: int, onward: FloatArray) -> None:
         """Close a target to all, and let the robot that took it go on from there.
@@ -211,6 +260,7 @@ class Auction:
             Lengths from the target to all, in metres.
         """
         self._is_open[:, target] = False
+        self._is_bound[:, target] = self._is_bound[taker] = False
         self._ways[taker] = self._ways[taker, target] + onward
 
     def leave(self, taker: int) -> None:
@@ -228,7 +278,7 @@ def _taken(
     goes_on: bool,
 ) -> list[tuple[int, int, float, float]]:
     """Return what is taken up to a robot's first target; each takes several if it goes on."""
-    auction = Auction(costs, areas, apart, rule)
+    auction = Auction(costs, areas, apart, rule, robot)
     rounds: list[tuple[int, int, float, float]] = []
     while auction.is_open_to(robot):
         rounds.append(auction.next_round())

@@ -13,6 +13,7 @@ from multisrt.planners.assignment.costs import cost_table
 from multisrt.planners.assignment.gain import (
     Auction,
     GainChoice,
+    LazyCosts,
     Values,
     check_positive,
     checked_tables,
@@ -37,7 +38,7 @@ MIN_AREA_M2: Final = 0.01
 
 
 def gain_on_tours(
-    costs: ArrayLike,
+    costs: ArrayLike | LazyCosts,
     areas: ArrayLike,
     between: ArrayLike,
     lengths: ArrayLike,
@@ -51,7 +52,7 @@ def gain_on_tours(
 
     Parameters
     ----------
-    costs : (n, m) array
+    costs : (n, m) array or LazyCosts
         Cost of each robot to each target in metres; ``inf`` where there is no path.
     areas : (m,) array
         Area that would be seen at each target in square metres.
@@ -104,6 +105,7 @@ def gain_on_tours(
     >>> gain_on_tours(costs, areas, far, far, 0, rule=Values(6.0), tour_weight=0.01).choice
     1
     """
+    costs, cost_of = costs if isinstance(costs, LazyCosts) else (costs, None)
     table, beyond, apart = checked_tables(costs, areas, between, robot)
     ways = cost_table(lengths, "lengths")
     if ways.shape != apart.shape:
@@ -115,7 +117,7 @@ def gain_on_tours(
         raise InvalidInputError(f"return_area_m2 is {return_area_m2}; it must be 0 or more")
 
     worth = beyond + return_area_m2
-    auction = Auction(table, worth, apart, rule)
+    auction = Auction(table, worth, apart, rule, robot, cost_of)
     rounds: list[tuple[int, int, float, float]] = []
     while auction.is_open_to(robot):
         rounds.append(auction.next_round())

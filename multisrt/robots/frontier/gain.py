@@ -20,13 +20,13 @@ import numpy as np
 
 from multisrt.geometry.grids.lengths_between import lengths_between
 from multisrt.geometry.grids.unknown_area import unknown_areas
-from multisrt.geometry.numerics.arrays import FloatArray
-from multisrt.planners.assignment.gain import GainChoice, Values, gain
+from multisrt.geometry.numerics.arrays import BoolArray, FloatArray
+from multisrt.planners.assignment.gain import GainChoice, LazyCosts, Values, gain
 from multisrt.planners.assignment.gain_tours import gain_on_tours
 from multisrt.robots.frontier.options import GainOptions
 from multisrt.robots.frontier.robot import FrontierRobot
 from multisrt.robots.frontier.utility import apart
-from multisrt.robots.frontier.wavefront_costs import Table, full_table
+from multisrt.robots.frontier.wavefront_costs import WavefrontCosts
 from multisrt.robots.frontier.wavefront_rules import Choice, settle_on
 
 MAX_TARGETS: Final = 24
@@ -39,46 +39,86 @@ SAME_GOAL_M: Final = 1.0
 def choose_gain(robot: FrontierRobot, because: str) -> Choice:
     """GAIN: the frontier of the highest value, after the robots that come before this one."""
     options = cast(GainOptions, robot.options)
-    table = full_table(robot)
-    if not len(table.targets):
-        return (yield from settle_on(robot, table, None, "gain", because))
-    costs = table.costs + options.turn_m_per_rad * first_turns(robot, table.robots, table.targets)
-    costs = nearer_goals(robot, table, costs, options.keep_m)
-    areas = areas_beyond(robot, table.targets)
-    chosen = _on_tours(robot, table, costs, areas)
+    costs = WavefrontCosts(robot, whole=True)
+    if not len(costs.targets):
+        return (yield from settle_on(robot, costs.table(), None, "gain", because))
+    ways = _Ways(robot, costs)
+    areas = areas_beyond(robot, costs.targets)
+    chosen = _on_tours(robot, costs, ways, areas)
     if chosen.choice is None:
         chosen = gain(
-            costs,
+            ways.whole(),
             areas + options.return_area_m2,
-            apart(table.targets, table.targets),
-            table.row,
+            apart(costs.targets, costs.targets),
+            costs.row,
             range_m=robot.me.range_m,
             power=options.power,
         )
-    rounds = tuple((table.robots[i], *rest) for i, *rest in chosen.rounds)
-    return (yield from settle_on(robot, table, chosen.choice, "gain", because, rounds=rounds))
+    rounds = tuple((costs.robots[i], *rest) for i, *rest in chosen.rounds)
+    return (
+        yield from settle_on(robot, costs.table(), chosen.choice, "gain", because, rounds=rounds)
+    )
+
+
+class _Ways:
+    """Ways of robots to targets: path lengths with the first turn, goals that are kept nearer.
+
+    Parameters
+    ----------
+    robot : FrontierRobot
+        The robot that decides.
+    costs : WavefrontCosts
+        Path lengths; its own are known.
+    """
+
+    def __init__(self, robot: FrontierRobot, costs: WavefrontCosts) -> None:
+        options = cast(GainOptions, robot.options)
+        self._costs = costs
+        self._turns_m = options.turn_m_per_rad * first_turns(robot, costs.robots, costs.targets)
+        self._nearer_m = options.keep_m * present_goals(robot, costs.robots, costs.targets)
+
+    def whole(self) -> FloatArray:
+        """Return the ways of all robots to all targets, ``(n, m)`` metres."""
+        self._costs.compute_others()
+        return self._of(self._costs.costs)
+
+    def bounds(self) -> FloatArray:
+        """Return the ways of the robot that decides, and lower bounds of those of the others."""
+        lengths = self._costs.lower_bounds()
+        lengths[self._costs.row] = self._costs.costs[self._costs.row]
+        return self._of(lengths)
+
+    def way(self, row: int, target: int) -> float:
+        """Return the way of a robot to a target in metres; ``inf`` if there is no path."""
+        self._costs.nearest(row, np.array([target]))
+        return float(self._of(self._costs.costs)[row, target])
+
+    def _of(self, lengths: FloatArray) -> FloatArray:
+        ways: FloatArray = np.maximum(0.0, lengths + self._turns_m - self._nearer_m)
+        return ways
 
 
 def _on_tours(
-    robot: FrontierRobot, table: Table, costs: FloatArray, areas: FloatArray
+    robot: FrontierRobot, costs: WavefrontCosts, ways: _Ways, areas: FloatArray
 ) -> GainChoice:
     """Choose by tours among the frontiers of the highest values; none if the others take them."""
     options = cast(GainOptions, robot.options)
-    reached = np.flatnonzero(np.isfinite(costs[table.row]))
+    bounds = ways.bounds()
+    own = bounds[costs.row]
+    reached = np.flatnonzero(np.isfinite(own))
     if options.tour_weight == 0.0 or not len(reached):
         return GainChoice(choice=None, rounds=())
     rule = Values(robot.me.range_m, options.power)
-    ways = costs[table.row] + rule.nearest_m
-    values = (areas + options.return_area_m2) * ways**-rule.power
+    values = (areas + options.return_area_m2) * (own + rule.nearest_m) ** -rule.power
     near = np.sort(reached[np.argsort(-values[reached], kind="stable")[:MAX_TARGETS]])
-    targets = table.targets[near]
+    targets = costs.targets[near]
     euclidean = apart(targets, targets)
     chosen = gain_on_tours(
-        costs[:, near],
+        LazyCosts(bounds[:, near], lambda row, target: ways.way(row, int(near[target]))),
         areas[near],
         euclidean,
-        lengths_among(robot, targets, table.costs[table.row, near], euclidean),
-        table.row,
+        lengths_among(robot, targets, costs.costs[costs.row, near], euclidean),
+        costs.row,
         rule=rule,
         return_area_m2=options.return_area_m2,
         tour_weight=options.tour_weight,
@@ -121,38 +161,19 @@ def lengths_among(
     return lengths
 
 
-def nearer_goals(
-    robot: FrontierRobot, table: Table, costs: FloatArray, keep_m: float
-) -> FloatArray:
-    """Return costs in which the present goal of each robot is nearer.
-
-    Parameters
-    ----------
-    robot : FrontierRobot
-        The robot that decides.
-    table : Table
-        The targets, and the robots that are taken into account.
-    costs : (n, m) array
-        Their costs in metres.
-    keep_m : float
-        By how much goals are nearer, in metres.
-
-    Returns
-    -------
-    (n, m) array
-        Metres, 0 or more.
-    """
-    reports, nearer = robot.team.mates.reports, costs.copy()
+def present_goals(robot: FrontierRobot, robots: tuple[int, ...], targets: FloatArray) -> BoolArray:
+    """Return which target is the present goal of which robot, ``(n, m)``; at most one of each."""
+    reports = robot.team.mates.reports
     own = None if robot.goal is None else robot.goal.place
-    for row, number in enumerate(table.robots):
+    are_goals = np.zeros((len(robots), len(targets)), np.bool_)
+    for row, number in enumerate(robots):
         goal = own if number == robot.me.robot else reports[number].goal
         if goal is None:
             continue
-        gaps = np.hypot(*(table.targets - goal).T)
+        gaps = np.hypot(*(targets - goal).T)
         target = int(np.argmin(gaps))
-        if gaps[target] < SAME_GOAL_M:
-            nearer[row, target] = max(0.0, nearer[row, target] - keep_m)
-    return nearer
+        are_goals[row, target] = gaps[target] < SAME_GOAL_M
+    return are_goals
 
 
 def areas_beyond(robot: FrontierRobot, targets: FloatArray) -> FloatArray:

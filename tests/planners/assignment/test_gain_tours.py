@@ -1,8 +1,11 @@
+import hypothesis.extra.numpy as arrays
+import hypothesis.strategies as st
 import numpy as np
 import pytest
+from hypothesis import given
 
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.planners.assignment.gain import Values, gain
+from multisrt.planners.assignment.gain import LazyCosts, Values, gain
 from multisrt.planners.assignment.gain_tours import MAX_STOPS, gain_on_tours
 
 INF = np.inf
@@ -97,3 +100,51 @@ def test_paths_between_targets_are_finite():
         gain_on_tours(
             [[1.0, 1.0]], [5.0, 5.0], apart, [[0.0, np.inf], [np.inf, 0.0]], 0, rule=Values(4.0)
         )
+
+
+@st.composite
+def teams(draw):
+    """Costs, lower bounds of them, areas, and distances; values are often equal."""
+    n, m = draw(st.integers(1, 5)), draw(st.integers(1, 8))
+    tenths = st.integers(0, 40).map(lambda k: k / 10.0)
+    costs = draw(arrays.arrays(np.float64, (n, m), elements=tenths))
+    shares = draw(arrays.arrays(np.float64, (n, m), elements=st.sampled_from([0.0, 0.5, 1.0])))
+    areas = draw(arrays.arrays(np.float64, m, elements=st.sampled_from([0.0, 2.0, 9.0])))
+    between = draw(arrays.arrays(np.float64, (m, m), elements=tenths))
+    between = np.triu(between, 1) + np.triu(between, 1).T
+    robot = draw(st.integers(0, n - 1))
+    is_shut_in = np.array([draw(st.booleans()) if row != robot else False for row in range(n)])
+    bounds = shares * costs
+    bounds[robot] = costs[robot]
+    costs[is_shut_in] = INF
+    return costs, bounds, areas, between, robot
+
+
+def lazy(bounds, costs):
+    """Return costs that are computed when asked for, and the list of those that were."""
+    asked = []
+
+    def cost_of(row, target):
+        asked.append((row, target))
+        return costs[row, target]
+
+    return LazyCosts(bounds, cost_of), asked
+
+
+@given(teams())
+def test_lazy_costs_give_the_same_choice(team):
+    costs, bounds, areas, between, robot = team
+    known, asked = lazy(bounds, costs)
+    whole = gain_on_tours(costs, areas, between, between, robot, rule=Values(4.0))
+    found = gain_on_tours(known, areas, between, between, robot, rule=Values(4.0))
+    assert (found.choice, found.rounds) == (whole.choice, whole.rounds)
+    assert len(set(asked)) == len(asked)
+    assert robot not in {row for row, _ in asked}
+
+
+def test_costs_that_a_choice_does_not_depend_on_are_not_computed():
+    # The other robot takes the two targets at its side; those at this robot's are too far.
+    costs, between = on_a_line([0.0, 20.0], [-6.0, -3.0, 23.0, 26.0])
+    known, asked = lazy(np.vstack([costs[0], 0.9 * costs[1]]), costs)
+    gain_on_tours(known, [9.0] * 4, between, between, 0, rule=Values(4.0))
+    assert asked == [(1, 2)]

@@ -17,7 +17,7 @@ from multisrt.robots.frontier.gain import (
     areas_beyond,
     first_turns,
     lengths_among,
-    nearer_goals,
+    present_goals,
 )
 from multisrt.robots.frontier.options import GainOptions
 
@@ -71,18 +71,14 @@ def test_areas_are_in_square_metres():
     assert areas_beyond(robot, np.zeros((1, 2))) == pytest.approx([math.pi * 4.0**2])
 
 
-def test_present_goals_are_nearer():
+def test_present_goals_are_targets_near_by():
     # Robot 0 drives to 0.6 m from target 1, robot 3 to more than 1 m from all; robot 4 has no goal.
     reports = {3: SimpleNamespace(goal=(8.0, 8.0)), 4: SimpleNamespace(goal=None)}
     robot = robot_at((0.0, 0.0, 0.0), reports=reports, goal=SimpleNamespace(place=(-3.0, 1.6)))
-    table: Any = SimpleNamespace(targets=TARGETS, robots=(0, 3, 4))
-    costs = np.array([[4.0, 0.7, 5.0, 1.0]] * 3)
-    found = nearer_goals(robot, table, costs, 0.5)
-    assert found[0] == pytest.approx([4.0, 0.2, 5.0, 1.0])
-    assert nearer_goals(robot, table, costs, 2.0)[0, 1] == 0.0
-    assert (found[1:] == costs[1:]).all()
+    found = present_goals(robot, (0, 3, 4), TARGETS)
+    assert np.argwhere(found).tolist() == [[0, 1]]
     reports[3].goal = (5.2, 1.0)
-    assert nearer_goals(robot, table, costs, 0.5)[1, 0] == 3.5
+    assert np.argwhere(present_goals(robot, (0, 3, 4), TARGETS)).tolist() == [[0, 1], [1, 0]]
 
 
 def test_lengths_among_targets_lie_between_their_bounds():

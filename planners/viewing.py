@@ -51,14 +51,14 @@ Leads = Callable[[int, float, float], bool]
 
 
 class Questions:
-    """Asks whether paths lead to places, no more than some times.
+    """A limited number of questions whether a path leads to a place.
 
     Parameters
     ----------
     leads : callable
-        Answers.
+        Answers them; see `Leads`.
     times : int
-        Number of questions.
+        How many may be asked.
     """
 
     def __init__(self, leads: Leads, times: int) -> None:
@@ -146,8 +146,9 @@ class PlaceFinder:
         nodes : sequence of Viewpoint
             All nodes near by.
         questions : Questions, optional
-            Decide instead, for a body that does not drive straight. They are asked of no place that
-            is nearer than `spacing_m` to one to which no path leads.
+            If given, they decide whether a path leads to a place, for a body that does not drive
+            straight. No place is asked about that is nearer than `spacing_m` to one to which no
+            path leads.
         bodies : (m, 3) array, optional
             x, y and required distance of bodies that paths must not pass.
 

@@ -167,7 +167,8 @@ class LazyCosts(NamedTuple):
         Costs of the robot that chooses, and lower bounds of those of the others, in metres.
     cost_of : callable
         Returns the cost of another robot to a target in metres, ``inf`` if there is no path. A
-        robot with a path to one target has to have paths to all.
+        robot with a path to one target has to have paths to all: once it has taken one, it is asked
+        of no other.
     """
 
     bounds: FloatArray
@@ -233,7 +234,11 @@ class Auction:
         return found
 
     def _values(self) -> FloatArray:
-        """Return the values of all pairs; the highest are no bounds."""
+        """Return the values of all pairs, ``(n, m)``.
+
+        Costs are computed until no pair of the highest value is a bound: a lower bound of a cost
+        gives an upper bound of a value, so that no other pair has a value as high.
+        """
         rule = self._rule
         while True:
             values: FloatArray = np.where(

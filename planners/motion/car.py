@@ -40,7 +40,7 @@ MAX_SEED = 2**31 - 1
 
 
 class Checks:
-    """The motions that sampling-based plans may still check.
+    """The motions that sampling-based plans may still check; plans count them down.
 
     Parameters
     ----------
@@ -49,12 +49,17 @@ class Checks:
     """
 
     def __init__(self, left: int = MAX_CHECKS) -> None:
-        self.left = left
+        self._left = left
 
+    @property
     def are_used_up(self) -> bool:
-        """Whether none are left; an iteration counts as one, as it may check no motion."""
-        self.left -= 1
-        return self.left < 0
+        """Whether none are left."""
+        return self._left <= 0
+
+    def use_one(self) -> bool:
+        """Count one down, and return whether it was left."""
+        self._left -= 1
+        return self._left >= 0
 
 
 def car_trajectory(
@@ -113,6 +118,7 @@ def car_out_and_back(
     x: float,
     y: float,
     seed: int,
+    *,
     checks: Checks | None = None,
 ) -> tuple[Trajectory, Trajectory] | None:
     """Return a motion to a place and one back, both inside a region.
@@ -133,8 +139,8 @@ def car_out_and_back(
     seed : int
         Seed of the sampling-based planner, 0 or more.
     checks : Checks, optional
-        The motions that sampling-based plans may check; none are left: shortest curves only.
-        Default: `MAX_CHECKS`.
+        The motions that sampling-based plans may check, which they count down. If none are left,
+        only shortest curves are tried. Default: ``Checks(MAX_CHECKS)``.
 
     Returns
     -------
@@ -200,7 +206,8 @@ def _planned(
     checks: Checks,
 ) -> Trajectory | None:
     """Return a sampling-based plan in the car's state space, shortened where possible."""
-    if checks.are_used_up():
+    # An iteration counts as well, as it may check no motion.
+    if not checks.use_one():
         return None
     from ompl import base, geometric, util
 
@@ -216,7 +223,7 @@ def _planned(
     information = base.SpaceInformation(space)
 
     def lets_pass(first: Any, last: Any) -> bool:
-        checks.left -= 1
+        checks.use_one()
         a, b = _configuration(first), _configuration(last)
         return room.holds(b) and shortest_curve(car, room, a, b) is not None
 
@@ -232,7 +239,7 @@ def _planned(
     planner.setRange(STRIDE * car.turning_radius_m)
     planner.setProblemDefinition(problem)
     planner.setup()
-    planner.solve(base.PlannerTerminationCondition(checks.are_used_up))
+    planner.solve(base.PlannerTerminationCondition(lambda: not checks.use_one()))
     if not problem.hasExactSolution():
         return None
     path = problem.getSolutionPath()

@@ -153,7 +153,7 @@ class CarPlanner:
         for x, y, _, _ in ends:
             seed = int(self._me.rng.integers(1, MAX_SEED))
             found = car_out_and_back(
-                self._body, self._car, rings, here.end, x, y, seed, Checks(MAX_CHECKS)
+                self._body, self._car, rings, here.end, x, y, seed, checks=Checks(MAX_CHECKS)
             )
             if found is not None:
                 return Excursion(here, *found, 0.0)

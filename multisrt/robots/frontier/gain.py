@@ -40,7 +40,7 @@ def choose_gain(robot: FrontierRobot, because: str) -> Choice:
     """GAIN: the frontier of the highest value, after the robots that come before this one."""
     options = cast(GainOptions, robot.options)
     costs = WavefrontCosts(robot, whole=True)
-    if not len(costs.targets):
+    if not np.isfinite(costs.costs[costs.row]).any():
         return (yield from settle_on(robot, costs.table(), None, "gain", because))
     ways = _Ways(robot, costs)
     areas = areas_beyond(robot, costs.targets)
@@ -83,15 +83,18 @@ class _Ways:
         return self._of(self._costs.costs)
 
     def bounds(self) -> FloatArray:
-        """Return the ways of the robot that decides, and lower bounds of those of the others."""
+        """Return own ways and lower bounds of those of the others, ``(n, m)`` metres."""
         lengths = self._costs.lower_bounds()
         lengths[self._costs.row] = self._costs.costs[self._costs.row]
         return self._of(lengths)
 
     def way(self, row: int, target: int) -> float:
         """Return the way of a robot to a target in metres; ``inf`` if there is no path."""
-        self._costs.nearest(row, np.array([target]))
-        return float(self._of(self._costs.costs)[row, target])
+        found = self._costs.nearest(row, np.array([target]))
+        if found is None:
+            return math.inf
+        turn_m, nearer_m = self._turns_m[row, target], self._nearer_m[row, target]
+        return max(0.0, float(found[0] + turn_m - nearer_m))
 
     def _of(self, lengths: FloatArray) -> FloatArray:
         ways: FloatArray = np.maximum(0.0, lengths + self._turns_m - self._nearer_m)
@@ -103,11 +106,11 @@ def _on_tours(
 ) -> GainChoice:
     """Choose by tours among the frontiers of the highest values; none if the others take them."""
     options = cast(GainOptions, robot.options)
+    if options.tour_weight == 0.0:
+        return GainChoice(choice=None, rounds=())
     bounds = ways.bounds()
     own = bounds[costs.row]
     reached = np.flatnonzero(np.isfinite(own))
-    if options.tour_weight == 0.0 or not len(reached):
-        return GainChoice(choice=None, rounds=())
     rule = Values(robot.me.range_m, options.power)
     values = (areas + options.return_area_m2) * (own + rule.nearest_m) ** -rule.power
     near = np.sort(reached[np.argsort(-values[reached], kind="stable")[:MAX_TARGETS]])

@@ -30,6 +30,9 @@ Marching the same path from either end gives lengths that differ by up to 3 %, a
 and ends at the centre of a cell.
 """
 
+CENTRE_CELLS: Final = 1.5
+"""Upper bound of the distances of both ends of a path from the centres of their cells, in cells."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Table:
@@ -151,7 +154,11 @@ class WavefrontCosts:
         """Return the Euclidean distances less an allowance for rounding, ``(n, m)`` metres."""
         offsets = np.array(self._places)[:, None] - self.targets
         euclidean = np.hypot(offsets[..., 0], offsets[..., 1])
-        spare_m = BOUND_CELLS * self.robot.raster.cell_m
+        spare_m = np.full((len(self.robots), 1), BOUND_CELLS * self.robot.raster.cell_m)
+        for row, centre in self._centres.items():
+            # The wave from a robot beside passable cells begins at the nearest of them.
+            away_m = math.dist(self._places[row], centre) + CENTRE_CELLS * self.robot.raster.cell_m
+            spare_m[row] = max(spare_m[row, 0], away_m)
         bounds: FloatArray = np.maximum(0.0, euclidean - spare_m) / BOUND_FACTOR
         return bounds
 

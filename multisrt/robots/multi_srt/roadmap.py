@@ -225,7 +225,9 @@ class SrtRoadmap:
     ) -> bool:
         assert isinstance(self.me.kinematics, Car)
         seed = int(self.me.rng.integers(1, MAX_SEED))
-        found = car_out_and_back(self.body, self.me.kinematics, region, at, x, y, seed, checks)
+        found = car_out_and_back(
+            self.body, self.me.kinematics, region, at, x, y, seed, checks=checks
+        )
         if found is None:
             return False
         self._planned[x, y] = OutAndBack(*found)

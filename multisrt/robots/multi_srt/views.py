@@ -23,8 +23,8 @@ WIDEST_WINDOW = 1.5
 """Half width of the widest window in which a place is looked for, in sensing ranges."""
 
 MAX_VAIN_PLANS = 4
-"""Plans of a car for places that see an arc, after which only shortest curves are tried: further
-plans would nearly always be in vain, too."""
+"""Questions of a car in one window that used up their plans in vain, after which only shortest
+curves are tried."""
 
 SPOTS_AROUND = 2.0
 """Half width of the square around a spot in which looks at it show something, in spots."""
@@ -187,7 +187,7 @@ class Views:
             nonlocal vain_plans
             checks = Checks(MAX_CHECKS if vain_plans < MAX_VAIN_PLANS else 0)
             found = self._routes.roadmap.leads(near[k], known, x, y, checks)
-            vain_plans += not found and checks.left <= 0
+            vain_plans += not found and checks.are_used_up
             return found
 
         return leads

@@ -166,7 +166,7 @@ def test_paths_stay_in_the_region(obstacles, body, car, start, goal, seed):
     region = HALL.difference(shapely.union_all(obstacles))
     start, goal = Configuration(*start), Configuration(*goal)
     out_and_back = (
-        car_out_and_back(body, car, region, start, goal.x, goal.y, seed, Checks(200)) or ()
+        car_out_and_back(body, car, region, start, goal.x, goal.y, seed, checks=Checks(200)) or ()
     )
     driven = car_trajectory(body, car, region, start, goal, seed, max_checks=200)
     for motion in (*out_and_back, *(() if driven is None else (driven,))):

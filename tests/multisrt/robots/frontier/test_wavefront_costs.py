@@ -12,6 +12,8 @@ from hypothesis.extra.numpy import arrays
 from multisrt.geometry.grids.distance_field import DistanceField
 from multisrt.planners.assignment.closest import closest
 from multisrt.planners.assignment.costs import DenseCosts
+from multisrt.planners.assignment.gain import LazyCosts, Values
+from multisrt.planners.assignment.gain_tours import gain_on_tours
 from multisrt.planners.assignment.greedy import greedy
 from multisrt.planners.assignment.minpos import minpos
 from multisrt.robots.frontier.wavefront_costs import WavefrontCosts, full_table
@@ -29,7 +31,7 @@ class GridRobot:
         self.at = (column + 0.5, row + 0.5, 0.0)
         self.raster = SimpleNamespace(
             cell_m=1.0,
-            passable_near=lambda x, y, _: (int(y), int(x)),
+            passable_near=lambda x, y, _: self.nearest_cell(x, y),
             centre_of=lambda r, c: (c + 0.5, r + 0.5),
             indices_of=lambda cells: tuple(np.asarray(cells).T),
         )
@@ -42,6 +44,10 @@ class GridRobot:
         self.homing = None
         self.marched: list[DistanceField] = []
         self._targets = np.array([(c + 0.5, r + 0.5) for r, c in targets]).reshape(-1, 2)
+
+    def nearest_cell(self, x, y):
+        cells = np.argwhere(self.passable)
+        return tuple(cells[np.hypot(*(cells + 0.5 - (y, x)).T).argmin()].tolist())
 
     def around_bodies(self):
         return nullcontext()
@@ -59,7 +65,8 @@ class GridRobot:
         return self.field(*self.at[:2])
 
     def field(self, x, y):
-        self.marched.append(DistanceField(self.passable, 1.0, [(x, y)]))
+        row, column = self.nearest_cell(x, y)
+        self.marched.append(DistanceField(self.passable, 1.0, [(column + 0.5, row + 0.5)]))
         return self.marched[-1]
 
 
@@ -69,13 +76,13 @@ def grid_robot(*situation: Any) -> Any:
 
 
 @st.composite
-def situations(draw):
-    """Return a passable grid, the cells of robots and those of targets, all passable."""
+def situations(draw, *, others_are_free=True):
+    """Return a passable grid, the cells of robots and those of targets, mostly all passable."""
     cells = st.tuples(st.integers(0, ROWS - 1), st.integers(0, COLUMNS - 1))
     robots = draw(st.lists(cells, min_size=1, max_size=4))
     targets = draw(st.lists(cells, max_size=6, unique=True))
     passable = ~draw(arrays(bool, (ROWS, COLUMNS), elements=st.booleans(), fill=st.just(False)))
-    for cell in (*robots, *targets):
+    for cell in (*(robots if others_are_free else robots[:1]), *targets):
         passable[cell] = True
     return passable, robots, targets
 
@@ -83,6 +90,45 @@ def situations(draw):
 def has_ties(costs):
     """Whether two targets are equally far from a robot: a wave finds either of them first."""
     return any(len(np.unique(row[np.isfinite(row)])) < np.isfinite(row).sum() for row in costs)
+
+
+@given(situations(others_are_free=False))
+def test_no_cost_is_below_its_bound(situation):
+    costs = full_table(grid_robot(*situation)).costs
+    assert (WavefrontCosts(grid_robot(*situation)).lower_bounds() <= costs).all()
+
+
+def test_a_robot_off_the_passable_cells_is_as_near_as_the_nearest_of_them():
+    # A corridor; robot 1 is eight cells off it, next to target 0, which is worth less.
+    passable = np.zeros((10, 15), np.bool_)
+    passable[0] = True
+    robot = grid_robot(passable, [(0, 0), (8, 7)], [(0, 8)])
+    assert full_table(robot).costs[1, 0] == 1.0
+    assert WavefrontCosts(robot).lower_bounds()[1, 0] <= 1.0
+
+
+@given(
+    situations(others_are_free=False),
+    st.lists(st.sampled_from([0.0, 1.0, 2.5, 9.0]), min_size=6, max_size=6),
+)
+def test_gain_chooses_as_on_the_full_table(situation, areas):
+    whole = full_table(grid_robot(*situation))
+    lazy = WavefrontCosts(grid_robot(*situation), whole=True)
+    near = np.flatnonzero(np.isfinite(whole.costs[0]))
+    apart = np.hypot(*(whole.targets[near, None] - whole.targets[near]).transpose(2, 0, 1))
+
+    def cost_of(row, target):
+        found = lazy.nearest(row, near[[target]])
+        return np.inf if found is None else found[0]
+
+    bounds = lazy.lower_bounds()
+    bounds[0] = lazy.costs[0]
+    chosen = [
+        gain_on_tours(costs, areas[: len(near)], apart, apart, 0, rule=Values(4.0))
+        for costs in (whole.costs[:, near], LazyCosts(bounds[:, near], cost_of))
+    ]
+    assert chosen[0].choice == chosen[1].choice
+    assert chosen[0].rounds == chosen[1].rounds
 
 
 @given(situations())

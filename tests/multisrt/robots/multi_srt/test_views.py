@@ -17,9 +17,9 @@ def test_a_car_that_finds_no_path_soon_tries_curves_only(robot_in, monkeypatch):
     leads = SrtRoadmap.leads
 
     def asked_for(self, node, known, x, y, checks):
-        may_plan = checks.left > 0
+        may_plan = not checks.are_used_up
         found = leads(self, node, known, x, y, checks)
-        asked.append((found, may_plan and checks.left <= 0))
+        asked.append((found, may_plan and checks.are_used_up))
         return found
 
     monkeypatch.setattr(SrtRoadmap, "leads", asked_for)

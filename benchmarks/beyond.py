@@ -234,9 +234,10 @@ def page(runs: pd.DataFrame) -> list[str]:
         part = runs[runs["radio"] == radio]
         if part.empty:
             continue
+        repeated_alike = of_all_strategies(part)
         lines += [f"## With {radio} radio", ""]
         for quantity, words in QUANTITIES.items():
-            best = best_of(of_all_strategies(part), papers, quantity)
+            best = best_of(repeated_alike, papers, quantity)
             rows = [
                 _row(name, f"{other} (best)" if other == best else other, found)
                 for name in ours
@@ -247,10 +248,10 @@ def page(runs: pd.DataFrame) -> list[str]:
             lines += [
                 f"Against the strategy of the papers with the lowest median in each cell, which is "
                 f"known only afterwards, the mean of `{name}` is "
-                f"{beside_the_best(of_all_strategies(part), name, papers, quantity):.3f}.\n"
+                f"{beside_the_best(repeated_alike, name, papers, quantity):.3f}.\n"
                 for name in ours
             ]
-        best = best_of(of_all_strategies(part), papers, TIME)
+        best = best_of(repeated_alike, papers, TIME)
         lines += [
             f"By team size, against `{best}`, time to 99 %:",
             "",

@@ -14,6 +14,7 @@ and it does not leave a goal for a small advantage.
 from __future__ import annotations
 
 import math
+from types import EllipsisType
 from typing import Final, cast
 
 import numpy as np
@@ -93,11 +94,13 @@ class _Ways:
         found = self._costs.nearest(row, np.array([target]))
         if found is None:
             return math.inf
-        turn_m, nearer_m = self._turns_m[row, target], self._nearer_m[row, target]
-        return max(0.0, float(found[0] + turn_m - nearer_m))
+        return float(self._of(found[0], (row, target)))
 
-    def _of(self, lengths: FloatArray) -> FloatArray:
-        ways: FloatArray = np.maximum(0.0, lengths + self._turns_m - self._nearer_m)
+    def _of(
+        self, lengths: FloatArray | float, pair: tuple[int, int] | EllipsisType = ...
+    ) -> FloatArray:
+        """Return the ways for path lengths, of one robot to one target or of all to all."""
+        ways: FloatArray = np.maximum(0.0, lengths + self._turns_m[pair] - self._nearer_m[pair])
         return ways
 
 

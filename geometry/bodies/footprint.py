@@ -339,6 +339,27 @@ class Footprint:
         assert isinstance(area, (Polygon, MultiPolygon))
         return area
 
+    def outline_at(self, configuration: Configuration) -> FloatArray | None:
+        """Return the corners of the body at a configuration, for `LaserScan.covered`.
+
+        Parameters
+        ----------
+        configuration : Configuration
+            Metres and radians.
+
+        Returns
+        -------
+        (n, 2) array or None
+            Counter-clockwise, in the frame of the configuration; None for a body that is not
+            star-shaped about its reference point.
+
+        Examples
+        --------
+        >>> Footprint.box(2.0, 1.0).outline_at(Configuration(5.0, 5.0, 0.0)).max(axis=0).tolist()
+        [6.0, 5.5]
+        """
+        return self._at(self._vertices, configuration) if self.is_star_shaped else None
+
     def _at(self, points: FloatArray, configuration: Configuration) -> FloatArray:
         x, y, heading = configuration
         return place(points, x, y, 0.0 if self.is_disc else heading)

@@ -30,6 +30,7 @@ from multisrt.geometry.regions.beam_chords import boundary_from_beams
 from multisrt.geometry.regions.beams import sure_reach
 from multisrt.geometry.regions.boundary import TagArray, arc_divisions, arc_tolerance
 from multisrt.geometry.regions.cones import Cones, cut_at_smallest_readings
+from multisrt.geometry.regions.covered import with_covered
 from multisrt.geometry.regions.scan import LaserScan, Scan
 from multisrt.geometry.regions.shapes import CONTACT_TOLERANCE_M, MIN_CONES, Shape
 
@@ -129,6 +130,7 @@ def local_safe_region(
     readings, or before the range, by about half the beams' spacing there. It holds no point of
     an obstacle that is wider than the beams' spacing and has no corner sharper than 45 degrees
     (`MIN_CORNER_RAD`); what is thinner can stand between two beams unseen, as for any laser.
+    What the body covers belongs to the region, of whatever shape (see `with_covered`).
 
     Examples
     --------
@@ -164,6 +166,8 @@ def local_safe_region(
         )
     elif shape != "radial":
         raise InvalidInputError(f"a safe region is ball, star or radial, not {shape!r}")
+    if isinstance(scan, LaserScan) and scan.covered is not None:
+        boundary, tags = with_covered(boundary, tags, scan.covered)
     boundary.setflags(write=False)
     tags.setflags(write=False)
     return LocalSafeRegion(x=x, y=y, range_m=scan.range_m, boundary=boundary, tags=tags)

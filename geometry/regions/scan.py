@@ -53,12 +53,17 @@ class LaserScan:
     ranges : (n,) array
         Distance along the beam in direction ``2 pi i / n`` of the world's frame, in metres;
         ``inf`` where nothing was hit.
+    covered : (k, 2) array or None
+        Corners in metres of the body around the range finder, counter-clockwise and star-shaped
+        about it, in the world's frame: it stands there, so that this is free. None, the default,
+        where the body is not known.
     """
 
     configuration: Configuration
     time_s: float
     range_m: float
     ranges: FloatArray
+    covered: FloatArray | None = None
 
 
 Scan = ExactScan | LaserScan
@@ -70,6 +75,7 @@ def take_scan(
     time_s: float,
     range_m: float,
     beams: int | None = None,
+    covered: FloatArray | None = None,
 ) -> Scan:
     """Return what a range finder measures at one place.
 
@@ -85,6 +91,8 @@ def take_scan(
         Range in metres, at most `MAX_RANGE_M`.
     beams : int, optional
         Number of beams of a laser, at least 3. Default: the visibility polygon itself.
+    covered : (k, 2) array, optional
+        The body around a laser; see `LaserScan`.
 
     Returns
     -------
@@ -131,6 +139,7 @@ def take_scan(
         time_s=time_s,
         range_m=range_m,
         ranges=laser_ranges(index, x, y, range_m, beams),
+        covered=covered,
     )
 
 

@@ -310,8 +310,8 @@ class SeenMeter:
         self, spec: RunSpec, environment: Environment, starts: tuple[Configuration, ...]
     ) -> None:
         what = explorable(environment, viewers(spec, starts))
-        self._finders = [robot.range_finder for robot in spec.robots]
-        team_range_m = max(finder.range_m for finder in self._finders)
+        self._robots = spec.robots
+        team_range_m = max(robot.range_finder.range_m for robot in spec.robots)
         self._index = EdgeIndex(environment.edges, team_range_m / 3.0)
         self._explorable_m2 = what.area_m2
         self._plane = what.plane.mapped([OUTSIDE, EXPLORABLE], 3)
@@ -323,6 +323,6 @@ class SeenMeter:
 
     def add(self, scan: Sensed) -> FloatArray:
         """Take in a scan, and return the corners of what it showed, ``(n, 2)``."""
-        shown = shown_from(self._index, self._finders[scan.robot], [scan.configuration])
+        shown = shown_from(self._index, self._robots[scan.robot], [scan.configuration])
         self._plane.relabel(runs_of(self._plane.cut, shown), [[OUTSIDE, SEEN, SEEN]])
         return shown[0]

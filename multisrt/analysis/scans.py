@@ -10,6 +10,7 @@ import numpy as np
 
 from multisrt.environments.environment import Environment
 from multisrt.events import NodeAdded, Pose, Sensed
+from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import ClearanceError, InvalidInputError
 from multisrt.geometry.numerics.kernel import FloatArray
@@ -18,7 +19,7 @@ from multisrt.geometry.regions.safe_region import local_safe_region
 from multisrt.geometry.regions.scan import take_scan
 from multisrt.geometry.regions.visibility import visibility_polygons
 from multisrt.recording import Recording
-from multisrt.spec import RangeFinderSpec
+from multisrt.spec import RobotSpec
 
 
 def scanned_regions(recording: Recording, environment: Environment) -> list[FloatArray]:
@@ -58,16 +59,17 @@ def scanned_regions(recording: Recording, environment: Environment) -> list[Floa
             "the recording has nodes but no scans ('sensed'), so that what its robots saw cannot "
             "be judged; run its spec again"
         )
-    finders = [robot.range_finder for robot in recording.spec.robots]
+    robots = recording.spec.robots
     # The same index as in the simulation, so that the polygons are the same to the last bit.
-    index = EdgeIndex(environment.edges, max(finder.range_m for finder in finders) / 3.0)
-    alike: dict[RangeFinderSpec, list[int]] = defaultdict(list)
+    index = EdgeIndex(environment.edges, max(robot.range_finder.range_m for robot in robots) / 3.0)
+    of_robot: dict[int, list[int]] = defaultdict(list)
     for number, scan in enumerate(scans):
-        alike[finders[scan.robot]].append(number)
+        of_robot[scan.robot].append(number)
     shown = [np.empty((0, 2))] * len(scans)
-    for finder, numbers in alike.items():
+    for robot, numbers in of_robot.items():
         try:
-            regions = shown_from(index, finder, [scans[number].configuration for number in numbers])
+            places = [scans[number].configuration for number in numbers]
+            regions = shown_from(index, robots[robot], places)
         except ClearanceError as error:
             raise InvalidInputError(
                 f"a scan of the recording was not taken in free space: {error}"
@@ -77,14 +79,15 @@ def scanned_regions(recording: Recording, environment: Environment) -> list[Floa
     return shown
 
 
-def shown_from(
-    index: EdgeIndex, finder: RangeFinderSpec, places: Sequence[Pose]
-) -> list[FloatArray]:
-    """Return what a range finder shows from some places; see `scanned_regions`."""
+def shown_from(index: EdgeIndex, robot: RobotSpec, places: Sequence[Pose]) -> list[FloatArray]:
+    """Return what the range finder of a robot shows from some places; see `scanned_regions`."""
+    finder, footprint = robot.range_finder, Footprint.parse(robot.footprint)
     if finder.beams is None:
         return visibility_polygons(index, np.array(places)[:, :2], finder.range_m)
-    scans = (
-        take_scan(index, Configuration(*place), math.nan, finder.range_m, finder.beams)
-        for place in places
-    )
-    return [local_safe_region(scan, "radial").boundary for scan in scans]
+    shown = []
+    for place in places:
+        here = Configuration(*place)
+        covered = footprint.outline_at(here)
+        scan = take_scan(index, here, math.nan, finder.range_m, finder.beams, covered)
+        shown.append(local_safe_region(scan, "radial").boundary)
+    return shown

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Generator, Iterable, Mapping
+from dataclasses import replace
 from typing import Any, NoReturn
 
 from multisrt.driving.body import Arrived, Body, Told
@@ -233,6 +234,8 @@ class Driver:
             self._refuse("sense", scan, "a scan: scan_of_ranges and scan_of_polygon make one")
         self._tell_time(scan.time_s, "sense")
         here = self._configuration(scan.configuration, "sense")
+        if isinstance(scan, LaserScan) and scan.covered is None:
+            scan = replace(scan, covered=self.me.footprint.outline_at(here))
         self.events.append(Sensed(time_s=self.time_s, robot=self.me.robot, configuration=(*here,)))
         return scan
 

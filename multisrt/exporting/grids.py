@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from multisrt.environments.environment import Environment
 from multisrt.events import AnyEvent, Learned, NodeAdded, NodeName, Sensed
 from multisrt.exporting.options import ExportOptions
+from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import ClearanceError, InvalidInputError
 from multisrt.geometry.grids.occupancy import FREE, OCCUPIED, Occupancy
@@ -169,8 +170,8 @@ class ShownRegions:
         self._recording = recording
         self._nodes = {(node.robot, node.serial): node for node in recording.of(NodeAdded)}
         self._with_nodes = {node.robot for node in recording.of(NodeAdded)}
-        self._finders = [robot.range_finder for robot in recording.spec.robots]
-        range_m = max(finder.range_m for finder in self._finders)
+        self._robots = recording.spec.robots
+        range_m = max(robot.range_finder.range_m for robot in self._robots)
         self._index = EdgeIndex(environment.edges, range_m / 3.0)
         self._regions: dict[NodeName, LocalSafeRegion] = {}
 
@@ -200,17 +201,20 @@ class ShownRegions:
             self._regions[name] = LocalSafeRegion(
                 x=x,
                 y=y,
-                range_m=self._finders[node.robot].range_m,
+                range_m=self._robots[node.robot].range_finder.range_m,
                 boundary=self._recording.region(node),
                 tags=np.frombuffer(node.tags.encode(), np.int8) - np.int8(ord("0")),
             )
         return self._regions[name]
 
     def _shown(self, scan: Sensed) -> LocalSafeRegion:
-        finder = self._finders[scan.robot]
-        place = Configuration(*scan.configuration)
+        robot = self._robots[scan.robot]
+        place, finder = Configuration(*scan.configuration), robot.range_finder
+        covered = Footprint.parse(robot.footprint).outline_at(place)
         try:
-            taken = take_scan(self._index, place, scan.time_s, finder.range_m, finder.beams)
+            taken = take_scan(
+                self._index, place, scan.time_s, finder.range_m, finder.beams, covered
+            )
         except ClearanceError as error:
             raise InvalidInputError(
                 f"a scan of the recording was not taken in free space: {error}"

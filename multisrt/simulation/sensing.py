@@ -33,7 +33,8 @@ class Sensing:
         """Take a scan from where a robot is at a time."""
         finder = robot.spec.range_finder
         here = self._traffic.where(robot.number, time_s)
-        return take_scan(self._index, here, time_s, finder.range_m, finder.beams)
+        covered = robot.body.footprint.outline_at(here)
+        return take_scan(self._index, here, time_s, finder.range_m, finder.beams, covered)
 
     def look(self, robot: Robot, time_s: float) -> tuple[Sighting, ...]:
         """Return the bodies that a robot sees at a time, in the order of their numbers."""

@@ -8,6 +8,7 @@ import pytest
 import shapely
 from shapely import Point, Polygon
 
+from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.regions.boundary import ARC_TOLERANCE_M, CUT, GAP, OBSTACLE, RANGE
@@ -194,6 +195,36 @@ def test_a_corner_between_two_beams_within_range_stays_outside(worlds, sharp_deg
     assert np.isinf(scan.ranges).all()
     for shape in ("radial", "star", "ball"):
         assert local_safe_region(scan, shape).polygon().intersection(crate).area == 0.0
+
+
+@pytest.mark.parametrize("body", ["disc:0.25", "box:0.6x0.4", "polygon:-0.2,-0.2 0.5,0 -0.2,0.2"])
+@pytest.mark.parametrize("shape", ["radial", "star", "ball"])
+@pytest.mark.parametrize("beams", [24, 90])
+def test_regions_from_beams_hold_the_body_beside_a_wall(worlds, body, shape, beams):
+    footprint = Footprint.parse(body)
+    hall = shapely.box(0, 0, 8, 6)
+    for heading in np.linspace(0.0, 2.0 * np.pi, 13):
+        # The body stands 1 mm from the wall and from the corner.
+        place = Configuration(0.0, 0.0, heading)
+        left, low, _, _ = footprint.placed(place).bounds
+        place = Configuration(0.001 - left, 0.001 - low, heading)
+        bare = take_scan(worlds.index(hall), place, 0.0, R, beams)
+        assert not local_safe_region(bare, shape).polygon().covers(footprint.placed(place))
+        scan = take_scan(worlds.index(hall), place, 0.0, R, beams, footprint.outline_at(place))
+        region, seen = local_safe_region(scan, shape), local_safe_region(bare, shape)
+        polygon = region.polygon()
+        assert polygon.is_valid
+        assert shapely.equals(
+            polygon.normalize(), seen.polygon().union(footprint.placed(place)).normalize()
+        )
+        assert hall.covers(polygon)
+        arms = region.boundary - place[:2]
+        following = np.roll(arms, -1, axis=0)
+        assert (arms[:, 0] * following[:, 1] - arms[:, 1] * following[:, 0] > -1e-12).all()
+        # Pieces of both keep their tags, and those before a wall lie before it.
+        assert set(region.tags.tolist()) <= set(seen.tags.tolist())
+        walls = sides(region)[region.tags == OBSTACLE]
+        assert shapely.distance(walls, hall.boundary).max() < 0.2 * R
 
 
 @pytest.mark.parametrize("name", ["rooms", "crates"])

@@ -84,7 +84,7 @@ def line_of(now: Progress) -> str:
     """
     told = f"{now.done} of {now.total} {now.what}"
     if now.failed:
-        told += f", {now.failed} failed"
+        told += f", {now.failed} unsuccessful"
     if (kernels := now.under_way.compiling()) is not None:
         return f"{told}; {compiling_note(kernels.done, kernels.about)}"
     longest = now.under_way.longest()
@@ -102,7 +102,7 @@ def note_of(now: Progress) -> str:
     Returns
     -------
     str
-        Such as "1 200 an hour, 5 min left, 2 failed".
+        Such as "1 200 an hour, 5 min left, 2 unsuccessful".
     """
     parts = []
     kernels = now.under_way.compiling()
@@ -115,7 +115,7 @@ def note_of(now: Progress) -> str:
     if kernels is not None:
         parts.append(compiling_note(kernels.done, kernels.about))
     if now.failed:
-        parts.append(f"{now.failed} failed")
+        parts.append(f"{now.failed} unsuccessful")
     return ", ".join(parts)
 
 

@@ -469,9 +469,9 @@ def progress(done, made, elapsed_s, failed=0):
     [
         (progress(0, 0, 0.0), "starting workers"),
         (progress(40, 20, 60.0), "1 200 an hour, 3 min left"),
-        (progress(40, 20, 2.0, failed=3), "36 000 an hour, 6 s left, 3 failed"),
+        (progress(40, 20, 2.0, failed=3), "36 000 an hour, 6 s left, 3 unsuccessful"),
         (progress(100, 20, 60.0), "1 200 an hour"),
-        (progress(100, 0, 0.0, failed=1), "1 failed"),
+        (progress(100, 0, 0.0, failed=1), "1 unsuccessful"),
     ],
 )
 def test_notes_of_the_progress_bar(now, told):
@@ -529,7 +529,7 @@ def test_without_a_terminal_a_line_names_the_longest_run(monkeypatch, capsys, tm
     with LiveProgress() as bar, now.under_way.making(job_of(run, spec)):
         bar(now)
         time.sleep(0.3)
-    told = r"99 of 100 runs, 1 failed; open, minpos, 1 robot, repetition 2 has run for \d s\n"
+    told = r"99 of 100 runs, 1 unsuccessful; open, minpos, 1 robot, repetition 2 has run for \d s\n"
     out, err = capsys.readouterr()
     assert out == ""
     assert re.fullmatch(f"({told})+", err)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from typing import Final
 
 
 def named_robots(numbers: Iterable[int]) -> str:
@@ -25,6 +26,10 @@ def named_robots(numbers: Iterable[int]) -> str:
     """
     words = [str(number) for number in sorted(numbers)]
     return f"robot{'s' * (len(words) > 1)} {joined(words)}"
+
+
+WALLED_IN: Final = "boxed in at its start, where its scan shows no way for its body"
+"""The reason of a robot that ends where it began, as it finds no motion from there."""
 
 
 def boxed_in_by(numbers: Iterable[int]) -> str:

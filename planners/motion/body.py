@@ -9,7 +9,7 @@ import numpy as np
 from shapely import Polygon
 
 from multisrt.geometry.bodies.clearance import disc_clearance
-from multisrt.geometry.bodies.fitting import rotation_is_free
+from multisrt.geometry.bodies.fitting import TOLERANCE_M, pose_is_inside, rotation_is_free
 from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.bodies.free_travel import (
     disc_bridges,
@@ -187,6 +187,12 @@ class PlanningBody:
             arrays = rings.arrays(np.unique(pairs[part]))
             joined[part] = disc_bridges(places, arrays, pairs[part], self.roomy_radius_m)
         return joined
+
+    def fits(self, boundary: FloatArray, at: Configuration) -> bool:
+        """Whether the body is inside a region as far as `travel` requires it."""
+        if self.is_disc:
+            return bool(disc_clearance(boundary, at.x, at.y) >= self.outer_radius_m - TOLERANCE_M)
+        return bool(pose_is_inside(boundary, self._grown[-1], *at))
 
     def has_room(self, boundary: FloatArray, at: Configuration) -> bool:
         """Whether the body at a position fits into a region in any heading."""

@@ -24,6 +24,7 @@ from multisrt.events import (
     Coordinated,
     Ended,
     Learned,
+    Motion,
     NodeAdded,
     NodeName,
     Sent,
@@ -124,14 +125,16 @@ def boxed_in_is_boxed_in(run: JudgedRun) -> Violation | None:
     times `body_stays_s` for bidding robots, 30 s for SRT), enlarged by the distance of the
     protective stop and a tolerance of 0.05 m or two cells. Robots that ended because they and
     others failed too often to let each other pass (`max_jams`; SRT: `gives_up_after`) may have a
-    path, and are not checked.
+    path, and are not checked. Nor are robots that are boxed in at their start, never moved, and
+    stand there nearer to a wall than they go: in the free space that they see, there may be no
+    room for the body, or none to turn.
 
     Cost: a few overlays for each such robot.
     """
     for robot, end in sorted(run.ends.items(), key=lambda item: item[1].time_s):
         if not end.reason.startswith("boxed in") or not _may_judge(run, robot):
             continue
-        if _is_jammed(run, robot, end):
+        if _is_jammed(run, robot, end) or _is_walled_in(run, robot, end):
             continue
         belief_s = BELIEF_S if run.family == "srt" else 1.5 * run.options["body_stays_s"]
         names = known_at(run, robot, end)
@@ -307,6 +310,17 @@ def _root(run: JudgedRun, name: NodeName) -> NodeName:
     while (parent := run.nodes[name].parent) is not None:
         name = parent[0], parent[1]
     return name
+
+
+def _is_walled_in(run: JudgedRun, robot: int, end: Ended) -> bool:
+    # Whether it never left a start that is nearer to a wall than where it goes.
+    if any(motion.robot == robot for motion in run.recording.of(Motion)):
+        return False
+    reach = reach_of(run, robot)
+    near_m = run.environment.clearance(*run.recording.starts[robot][:2])
+    return end.reason.startswith("boxed in at its start") and (
+        near_m <= reach.off_walls_m + reach.blind_m
+    )
 
 
 def _is_jammed(run: JudgedRun, robot: int, end: Ended) -> bool:

@@ -49,7 +49,7 @@ from multisrt.robots.frontier.homing import FrontierHoming
 from multisrt.robots.frontier.options import FrontierOptions
 from multisrt.robots.frontier.progress import Event, Progress, State
 from multisrt.robots.frontier.robot import FrontierRobot, Watch
-from multisrt.robots.naming import boxed_in_by
+from multisrt.robots.naming import WALLED_IN, boxed_in_by
 
 Rule = Callable[[FrontierRobot, Event], Generator[Action, Outcome, Goal | None]]
 """Chooses a goal, given why one is chosen; returns None if there is nothing to go to."""
@@ -246,7 +246,7 @@ class FrontierExplorer:
         if progress.is_jammed:
             return Event.JAMMED
         if not self._barred(robot):
-            return Event.EXPLORED
+            return Event.BOXED_IN if robot.is_walled_in else Event.EXPLORED
         if progress.may_wait and not robot.bodies.all_are_lost():
             return Event.BARRED
         return Event.BOXED_IN
@@ -432,9 +432,9 @@ class FrontierExplorer:
         return Event.CALLED_ON
 
     def boxed_in(self, by: Iterable[int]) -> Done:
-        """Return the end of a robot all of whose paths others block."""
+        """Return the end of a robot all of whose paths others block, or walls beside its start."""
         return Done(
             complete=False,
-            reason=boxed_in_by(by),
+            reason=WALLED_IN if self.robot.is_walled_in else boxed_in_by(by),
             on_call=self.robot.team.has_receivers,
         )

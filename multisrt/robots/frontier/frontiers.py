@@ -141,6 +141,11 @@ class Frontiers:
         """Exclude a place, and all within half the body's width, from the targets permanently."""
         self._given_up[place] = None
 
+    @property
+    def has_given_up(self) -> bool:
+        """Whether a place was given up that is a frontier still."""
+        return any(self.is_frontier(*place) for place in self._given_up)
+
     def is_given_up(self, place: Place) -> bool:
         """Whether a place, or one within half the body's width of it, is given up."""
         near_m = 0.5 * self._width_m

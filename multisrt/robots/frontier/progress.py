@@ -44,7 +44,8 @@ YIELDING      The robot makes room, as it was asked to.
 WAITING       Only bodies that may still leave bar the paths to the last frontiers.
 ATTENDING     The robot is where its errand leads, and waits for the base station's acknowledgement,
               or for its mate.
-BOXED_IN      Bodies that do not leave bar them; the robot is done until it hears something new.
+BOXED_IN      Bodies that do not leave bar them, or walls beside the start; the robot is done until
+              it hears something new.
 OUT_OF_TIME   No time is left to go on and come home; it is done until it hears something new.
 OUT_OF_REACH  No goal is left from which the chain reaches the base station; it is done until it
               hears something new.

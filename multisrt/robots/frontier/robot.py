@@ -316,6 +316,11 @@ class FrontierRobot:
         yield from self.perceive(maps=self.time_s >= next_s - ROUNDING_S)
 
     @property
+    def is_walled_in(self) -> bool:
+        """Whether the robot stands at its start, and no path to a frontier was free from there."""
+        return self.at == self.me.start and self.frontiers.has_given_up
+
+    @property
     def has_scan_to_map(self) -> bool:
         """Whether the last scan is not on the map."""
         return self._not_mapped is not None

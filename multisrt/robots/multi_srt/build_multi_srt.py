@@ -17,7 +17,7 @@ from multisrt.robots.multi_srt.support import (
     support_others,
 )
 from multisrt.robots.multi_srt.trees import segments_of
-from multisrt.robots.naming import boxed_in_by, named_robots
+from multisrt.robots.naming import WALLED_IN, boxed_in_by, named_robots
 
 
 class SrtExplorer:
@@ -99,7 +99,7 @@ class SrtExplorer:
         barred_m, barring = deferred.left()
         may_leave = any(map(robot.team.roster.answers, barring))
         if open_m and robot.progress.is_boxed_in:
-            boxed_in = boxed_in_by(robot.obstacles.all)
+            boxed_in = WALLED_IN if robot.is_walled_in else boxed_in_by(robot.obstacles.all)
             reason = f"{boxed_in}, with {open_m:.1f} m of frontier left open"
         elif open_m:
             reason = (

@@ -26,6 +26,8 @@ no path at all, those of the second row follow:
                                 v                                   v
          back to the first row, by the number of setbacks: CLEAR, CROWDED or JAMMED
 
+A robot that sees no room for its body at its start is BOXED_IN at once.
+
 =========  =====================================================================================
 state      what the robot does
 =========  =====================================================================================
@@ -66,11 +68,12 @@ class Event(Enum):
     NEW_PLACE = "has reached, by its own plan, a place where it had not been in its task"
     SETBACK = "was ordered otherwise by a master, or stopped"
     NO_PATH = "has found no path to anywhere"
+    NO_ROOM = "sees no room for its body at its start"
     PATH = "has found a path"
 
 
 class BoxedIn(Exception):
-    """The robot gives up its task: bodies that do not give way stand all around."""
+    """The robot gives up its task: bodies that do not give way, or walls, are all around."""
 
 
 class Progress:
@@ -125,6 +128,8 @@ class Progress:
     def note(self, event: Event) -> None:
         """Go to the state to which an event leads."""
         match self.state, event:
+            case _, Event.NO_ROOM:
+                self.state = State.BOXED_IN
             case _, Event.NO_PATH:
                 self._pathless += 1
                 gives_up = self.is_boxed_in or self._pathless > self._options.boxed_in_after

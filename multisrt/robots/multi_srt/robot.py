@@ -114,6 +114,14 @@ class SrtRobot:
         """Whether distance does not limit its radio (paper: unlimited communication range)."""
         return math.isinf(self.me.radio.range_m)
 
+    @property
+    def is_walled_in(self) -> bool:
+        """Whether the robot stands at its start, and its region there has no room for its body."""
+        if self.at.node != self.trees.root:
+            return False
+        node = self.map[self.at.node]
+        return not self.planner.body.fits(node.region.boundary, node.configuration)
+
     def is_without_place(self, node: NodeId) -> bool:
         """Whether robots like this one found no place at a node `no_place_after` times."""
         limit = self.options.no_place_after

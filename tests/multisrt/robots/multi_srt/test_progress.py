@@ -54,6 +54,11 @@ def test_a_path_leads_back_to_where_the_robot_was(setbacks):
     assert after(*before, *[Event.NO_PATH] * 9, Event.PATH).state is after(*before).state
 
 
+def test_no_room_at_the_start_boxes_in_at_once():
+    assert after(Event.NEW_TASK, Event.NO_ROOM).state is State.BOXED_IN
+    assert after(Event.NO_ROOM, Event.PATH).state is State.CLEAR
+
+
 def test_no_path_in_a_row_boxes_in():
     assert after(*[Event.NO_PATH] * 3).state is State.STUCK
     assert after(*[Event.NO_PATH] * 4).state is State.BOXED_IN
@@ -105,7 +110,8 @@ def test_any_events_lead_to_a_state_that_its_limits_allow(events):
             in_a_row = 0
     if progress.state is State.BOXED_IN:
         gave_up = progress.setbacks == 0 or progress.setbacks >= LIMITS.gives_up_after
-        assert in_a_row > LIMITS.boxed_in_after or gave_up
+        has_room = Event.NO_ROOM not in events
+        assert in_a_row > LIMITS.boxed_in_after or gave_up or not has_room
     assert progress.state is not State.CROWDED or progress.setbacks >= LIMITS.crowded_after
     assert progress.state is not State.JAMMED or progress.setbacks >= LIMITS.jammed_after
     assert 1 <= progress.backoff <= 1 + LIMITS.jammed_after

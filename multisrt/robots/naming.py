@@ -28,7 +28,7 @@ def named_robots(numbers: Iterable[int]) -> str:
     return f"robot{'s' * (len(words) > 1)} {joined(words)}"
 
 
-WALLED_IN: Final = "boxed in at its start, where its scan shows no way for its body"
+WALLED_IN: Final = "boxed in at the start, where the scan shows no way for the body"
 """The reason of a robot that ends where it began, as it finds no motion from there."""
 
 

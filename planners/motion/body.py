@@ -9,7 +9,7 @@ import numpy as np
 from shapely import Polygon
 
 from multisrt.geometry.bodies.clearance import disc_clearance
-from multisrt.geometry.bodies.fitting import TOLERANCE_M, pose_is_inside, rotation_is_free
+from multisrt.geometry.bodies.fitting import rotation_is_free
 from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.bodies.free_travel import (
     disc_bridges,
@@ -188,15 +188,13 @@ class PlanningBody:
             joined[part] = disc_bridges(places, arrays, pairs[part], self.roomy_radius_m)
         return joined
 
-    def fits(self, boundary: FloatArray, at: Configuration) -> bool:
-        """Whether the body is inside a region as far as `travel` requires it."""
-        if self.is_disc:
-            return bool(disc_clearance(boundary, at.x, at.y) >= self.outer_radius_m - TOLERANCE_M)
-        return bool(pose_is_inside(boundary, self._grown[-1], *at))
-
     def has_room(self, boundary: FloatArray, at: Configuration) -> bool:
         """Whether the body at a position fits into a region in any heading."""
-        return self.is_disc or disc_clearance(boundary, at.x, at.y) >= self.roomy_radius_m
+        return self.is_disc or self.is_roomy(boundary, at)
+
+    def is_roomy(self, boundary: FloatArray, at: Configuration) -> bool:
+        """Whether a region has room for `roomy_radius_m` around a position."""
+        return bool(disc_clearance(boundary, at.x, at.y) >= self.roomy_radius_m)
 
     def _kept(self, boundary: FloatArray, x: float, y: float) -> float:
         """Return the radius that a disc keeps free on a motion from here."""

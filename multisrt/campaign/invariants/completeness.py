@@ -318,7 +318,7 @@ def _is_walled_in(run: JudgedRun, robot: int, end: Ended) -> bool:
         return False
     reach = reach_of(run, robot)
     near_m = run.environment.clearance(*run.recording.starts[robot][:2])
-    return end.reason.startswith("boxed in at its start") and (
+    return end.reason.startswith("boxed in at the start") and (
         near_m <= reach.off_walls_m + reach.blind_m
     )
 

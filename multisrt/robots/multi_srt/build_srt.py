@@ -91,9 +91,6 @@ def take_steps(robot: SrtRobot, choose: TargetChooser) -> Steps:
                 region = yield from perceive(robot)
                 yield from robot.trees.add(region, robot.journey.came)
                 robot.journey.resume()
-                if robot.is_walled_in:
-                    robot.progress.note(Event.NO_ROOM)
-                    raise BoxedIn
             robot.journey.note_here()
             yield from look(robot)
             ger = yield from build_ger(robot, gpr)

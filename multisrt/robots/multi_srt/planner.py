@@ -11,12 +11,13 @@ from __future__ import annotations
 from collections.abc import Callable, Generator
 from typing import Literal
 
-from multisrt.events import Choice
+from multisrt.events import Choice, ClosingReason
 from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.planners.srt import Draws
-from multisrt.robots.explorer import Action, Outcome, Sighting
+from multisrt.robots.explorer import Action, Outcome, Sighting, Steps
 from multisrt.robots.knowledge import NodeId
 from multisrt.robots.multi_srt.best_arc import best_arc
+from multisrt.robots.multi_srt.progress import BoxedIn, Event
 from multisrt.robots.multi_srt.robot import SrtRobot
 from multisrt.robots.multi_srt.targets import Barred, KnownNode, NewPlace, Target
 
@@ -65,6 +66,11 @@ class Planner:
             path to get anywhere.
         target : Target or None
             The target; None with `end` and `stay`.
+
+        Raises
+        ------
+        BoxedIn
+            If walls beside its start leave the robot no motion.
         """
         robot = self._robot
         here = robot.at.node
@@ -194,7 +200,7 @@ class Planner:
                 if isinstance(found, Barred):
                     yield from trees.defer(node, arc, found.bodies)
                 else:
-                    yield from trees.close(node, arc, found)
+                    yield from self._close(node, arc, found)
         past_bodies = robot.bypass.to(may_go_to)
         if past_bodies is not None:
             return "bypass", past_bodies
@@ -206,8 +212,15 @@ class Planner:
                 if bodies:
                     yield from trees.defer(node, arc, bodies)
                 else:
-                    yield from trees.close(node, arc, "not reachable")
+                    yield from self._close(node, arc, "not reachable")
         return None
+
+    def _close(self, node: NodeId, arc: FloatArray, reason: ClosingReason) -> Steps:
+        # A robot that walls leave no motion cannot tell what can be reached.
+        if self._robot.is_walled_in:
+            self._robot.progress.note(Event.NO_ROOM)
+            raise BoxedIn
+        yield from self._robot.trees.close(node, arc, reason)
 
     def _bodies_before(self, here: NodeId, node: NodeId) -> dict[int, Sighting]:
         # The bodies that block the path to a node, by robot; none if none would lead there anyway.

@@ -26,7 +26,7 @@ no path at all, those of the second row follow:
                                 v                                   v
          back to the first row, by the number of setbacks: CLEAR, CROWDED or JAMMED
 
-A robot that sees no room for its body at its start is BOXED_IN at once.
+A robot that finds no motion from its start, as its body has no room there, is BOXED_IN at once.
 
 =========  =====================================================================================
 state      what the robot does
@@ -68,7 +68,7 @@ class Event(Enum):
     NEW_PLACE = "has reached, by its own plan, a place where it had not been in its task"
     SETBACK = "was ordered otherwise by a master, or stopped"
     NO_PATH = "has found no path to anywhere"
-    NO_ROOM = "sees no room for its body at its start"
+    NO_ROOM = "has found no motion from its start, where its body has no room"
     PATH = "has found a path"
 
 

@@ -116,11 +116,12 @@ class SrtRobot:
 
     @property
     def is_walled_in(self) -> bool:
-        """Whether the robot stands at its start, and its region there has no room for its body."""
-        if self.at.node != self.trees.root:
+        """Whether the robot has never left its start, where its region has no room to turn."""
+        root = self.trees.root
+        if self.at.node != root or NodeId(self.me.robot, root.serial + 1) in self.map:
             return False
-        node = self.map[self.at.node]
-        return not self.planner.body.fits(node.region.boundary, node.configuration)
+        node = self.map[root]
+        return not self.planner.body.is_roomy(node.region.boundary, node.configuration)
 
     def is_without_place(self, node: NodeId) -> bool:
         """Whether robots like this one found no place at a node `no_place_after` times."""

@@ -28,7 +28,7 @@ def test_a_box_in_a_corner_that_cannot_move_is_boxed_in(strategy, gap_m, beams):
     (end,) = recording.of(Ended)
     assert not recording.of(Motion)
     assert not end.complete
-    assert end.reason.startswith("boxed in at its start, where its scan shows no way")
+    assert end.reason.startswith("boxed in at the start, where the scan shows no way")
     assert recording.footer.outcome == "stalled"
 
 

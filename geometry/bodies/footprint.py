@@ -342,6 +342,9 @@ class Footprint:
     def outline_at(self, configuration: Configuration) -> FloatArray | None:
         """Return the corners of the body at a configuration, for `LaserScan.covered`.
 
+        Those of a disc are the corners of a polygon around it, which reaches beyond it by 0.03 % of
+        its radius.
+
         Parameters
         ----------
         configuration : Configuration

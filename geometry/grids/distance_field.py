@@ -245,6 +245,11 @@ class DistanceField:
             field[r0:r1, c0:c1] = self._march.values() * self.cell_m
         return field
 
+    @property
+    def nbytes(self) -> int:
+        """Memory of the arrays that the field has of its own, in bytes."""
+        return 0 if self._march is None else self._march.nbytes
+
     def descent(self, cell: ArrayLike) -> IntArray:
         """Follow the field from a cell to a source, each step to the steepest of 8 neighbours.
 

@@ -77,6 +77,11 @@ class MarchWindow:
         self._seeds: Int32Array = self.arrays.cells[1 : self._held + 1].copy()
         self._seed_values: FloatArray = self.arrays.keys[1 : self._held + 1].copy()
 
+    @property
+    def nbytes(self) -> int:
+        """Memory of the window's arrays in bytes."""
+        return sum(array.nbytes for array in self.arrays[1:])
+
     def numbers_of(self, cells: IntArray) -> IntArray:
         """Return the numbers of cells in the present window, 0 for those outside of it."""
         return numbers_of(cells, self.window, self.arrays.width)

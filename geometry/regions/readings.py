@@ -43,7 +43,8 @@ def scan_of_ranges(
         Distance along each beam in metres, counter-clockwise, equally spaced over the full
         circle; ``inf``, or more than `range_m`, where nothing was hit.
     configuration : (x, y, heading)
-        Where the sensor is, in metres and radians.
+        Where the sensor is, in metres and radians. On a robot that is driven, it is the reference
+        point of the footprint: what the footprint covers there is taken as free.
     time_s : float
         When the scan was taken, in seconds.
     range_m : float

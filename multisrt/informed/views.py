@@ -58,7 +58,10 @@ class Sensor:
         self._beams = beams
 
     def region(self, x: float, y: float) -> FloatArray:
-        """Return what a scan at a place shows to be free, ``(n, 2)`` corners in metres."""
+        """Return what a scan at a place shows to be free, ``(n, 2)`` corners in metres.
+
+        What the body covers is left out: plans are made for any heading.
+        """
         scan = take_scan(self._index, Configuration(x, y, 0.0), 0.0, self.range_m, self._beams)
         return local_safe_region(scan, "radial").boundary
 

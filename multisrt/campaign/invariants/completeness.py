@@ -62,6 +62,9 @@ SRT_LEAST_M: Final = 0.1
 SRT_SCRAP_M: Final = 0.05
 """Unknown parts between its regions that hold no disc of this radius are scraps, in metres."""
 
+LEFT_M: Final = 0.01
+"""A robot that was farther from its start than this has left it, in metres."""
+
 BODY_SLACK_M: Final = 0.05
 """Added to the distance that robots keep from bodies, in metres."""
 
@@ -125,9 +128,8 @@ def boxed_in_is_boxed_in(run: JudgedRun) -> Violation | None:
     times `body_stays_s` for bidding robots, 30 s for SRT), enlarged by the distance of the
     protective stop and a tolerance of 0.05 m or two cells. Robots that ended because they and
     others failed too often to let each other pass (`max_jams`; SRT: `gives_up_after`) may have a
-    path, and are not checked. Nor are robots that are boxed in at their start, never moved, and
-    stand there nearer to a wall than they go: in the free space that they see, there may be no
-    room for the body, or none to turn.
+    path, and are not checked. Nor are robots that are boxed in at their start, which they have not
+    left, where the region of their first scan has less room around them than they keep.
 
     Cost: a few overlays for each such robot.
     """
@@ -313,13 +315,16 @@ def _root(run: JudgedRun, name: NodeName) -> NodeName:
 
 
 def _is_walled_in(run: JudgedRun, robot: int, end: Ended) -> bool:
-    # Whether it never left a start that is nearer to a wall than where it goes.
-    if any(motion.robot == robot for motion in run.recording.of(Motion)):
-        return False
+    # Whether it never left a start where its first scan shows less room than it keeps.
+    start = run.recording.starts[robot][:2]
+    for motion in run.recording.of(Motion):
+        if motion.robot == robot and math.dist(motion.waypoints[-1][1:3], start) > LEFT_M:
+            return False
     reach = reach_of(run, robot)
-    near_m = run.environment.clearance(*run.recording.starts[robot][:2])
+    keeps_m = reach.off_walls_m - (reach.blind_m if run.family == "frontier" else 0.0)
+    shown = run.regions[robot, 0].exterior
     return end.reason.startswith("boxed in at the start") and (
-        near_m <= reach.off_walls_m + reach.blind_m
+        shown.distance(shapely.Point(start)) <= keeps_m
     )
 
 

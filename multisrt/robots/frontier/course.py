@@ -10,6 +10,9 @@ from multisrt.planners.motion.trajectory import Trajectory
 from multisrt.planners.navigation.path_following import ahead
 from multisrt.robots.frontier.goal import Goal, Place
 
+LEFT_M = 0.01
+"""A robot that was farther from its start than this has left it, in metres."""
+
 
 class Course:
     """Where a robot is and where it is going.
@@ -39,6 +42,8 @@ class Course:
         When the last motion began.
     stuck_at : (x, y) or None
         Where it stood when a path from exactly there was not free.
+    has_left : bool
+        Whether a motion has ended away from the start.
 
     Examples
     --------
@@ -57,6 +62,8 @@ class Course:
         self.motion: Trajectory | None = None
         self.set_out_s = 0.0
         self.stuck_at: Place | None = None
+        self.has_left = False
+        self._start = at[:2]
 
     @property
     def is_stuck(self) -> bool:
@@ -81,6 +88,7 @@ class Course:
         """End the motion."""
         self.motion = None
         self.at, self.time_s = at, time_s
+        self.has_left |= math.dist(at[:2], self._start) > LEFT_M
 
     def now_at(self) -> Configuration:
         """Return the configuration at this moment, also during a motion."""

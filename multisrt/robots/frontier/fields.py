@@ -13,6 +13,9 @@ NEAR_BY_CELLS = 8
 MAX_FIELDS = 16
 """Number of distance fields that are kept; the one not asked for longest is dropped."""
 
+MAX_BYTES = 96 * 2**20
+"""Memory of all distance fields that are kept, so that large maps keep fewer of them."""
+
 
 class DistanceFields:
     """Distances from places, one field a place.
@@ -51,9 +54,13 @@ class DistanceFields:
             return None
         field = self._repaired(self._kept.pop(cell, None)) or self.begin(raster.centre_of(*cell))
         self._kept[cell] = raster.revision, field
-        if len(self._kept) > MAX_FIELDS:
+        while len(self._kept) > 1 and self._is_too_much():
             self._kept.pop(next(iter(self._kept)))
         return field
+
+    def _is_too_much(self) -> bool:
+        memory = sum(field.nbytes for _, field in self._kept.values())
+        return len(self._kept) > MAX_FIELDS or memory > MAX_BYTES
 
     def own(self, source: Place, blocked: bytes) -> DistanceField:
         """Return the distances from exactly where the robot stands.

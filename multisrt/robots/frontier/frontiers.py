@@ -143,8 +143,10 @@ class Frontiers:
 
     @property
     def has_given_up(self) -> bool:
-        """Whether a place was given up that is a frontier still."""
-        return any(self.is_frontier(*place) for place in self._given_up)
+        """Whether there is a group with places to go to, all of which were given up."""
+        return any(
+            group.target is not None and self._target(group) is None for group in self.groups()
+        )
 
     def is_given_up(self, place: Place) -> bool:
         """Whether a place, or one within half the body's width of it, is given up."""

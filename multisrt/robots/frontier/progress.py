@@ -142,7 +142,8 @@ class Event(StrEnum):
     BARRED = "barred"
     """Frontiers are left, and only bodies that may leave bar the paths to them."""
     BOXED_IN = "boxed in"
-    """Frontiers are left, and bodies that do not leave bar the paths to them."""
+    """Frontiers are left, and bodies that do not leave bar the paths to them, or walls beside the
+    start of a robot that has not left it."""
     JAMMED = "jammed"
     """The robot and others have too often failed to let each other pass."""
     ARRIVED = "arrived"

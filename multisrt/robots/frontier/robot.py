@@ -24,7 +24,7 @@ from multisrt.robots.explorer import Note, RobotSelf, Sense, Sighting, Steps
 from multisrt.robots.frontier.bodies import Bodies
 from multisrt.robots.frontier.car_driving import CarDriver
 from multisrt.robots.frontier.course import Course
-from multisrt.robots.frontier.fields import indices_of
+from multisrt.robots.frontier.fields import NEAR_BY_CELLS, indices_of
 from multisrt.robots.frontier.frontiers import Frontiers
 from multisrt.robots.frontier.goal import Goal
 from multisrt.robots.frontier.homing import FrontierHoming
@@ -317,8 +317,16 @@ class FrontierRobot:
 
     @property
     def is_walled_in(self) -> bool:
-        """Whether the robot stands at its start, and no path to a frontier was free from there."""
-        return self.at == self.me.start and self.frontiers.has_given_up
+        """Whether frontiers are left that the robot gave up before it had ever left its start.
+
+        Either it has given up their places, or no cell around it is passable.
+        """
+        if self.course.has_left:
+            return False
+        x, y, _ = self.at
+        if self.raster.passable_near(x, y, NEAR_BY_CELLS) is None:
+            return bool(self.frontiers.groups())
+        return self.frontiers.has_given_up
 
     @property
     def has_scan_to_map(self) -> bool:

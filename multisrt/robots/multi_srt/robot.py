@@ -118,7 +118,7 @@ class SrtRobot:
     def is_walled_in(self) -> bool:
         """Whether the robot has never left its start, where its region has no room to turn."""
         root = self.trees.root
-        if self.at.node != root or NodeId(self.me.robot, root.serial + 1) in self.map:
+        if self.at.here != root or NodeId(self.me.robot, root.serial + 1) in self.map:
             return False
         node = self.map[root]
         return not self.planner.body.is_roomy(node.region.boundary, node.configuration)

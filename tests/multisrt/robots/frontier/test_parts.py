@@ -14,6 +14,7 @@ from multisrt.geometry.regions.edge_index import EdgeIndex
 from multisrt.geometry.regions.scan import take_scan
 from multisrt.planners.motion.trajectory import Trajectory, Waypoint
 from multisrt.robots.explorer import Look, Sighting
+from multisrt.robots.frontier import fields as fields_module
 from multisrt.robots.frontier.bodies import MOVED_M, Bodies, discs_of
 from multisrt.robots.frontier.course import Course
 from multisrt.robots.frontier.fields import MAX_FIELDS, DistanceFields, indices_of
@@ -119,6 +120,22 @@ def test_only_the_latest_fields_are_kept():
     for k in range(MAX_FIELDS + 1):
         fields.field(2.0 + 0.1 * k, 3.0)
     assert len(fields._kept) == MAX_FIELDS
+
+
+def test_large_fields_are_kept_as_far_as_memory_allows(monkeypatch):
+    made = map_of((3, 3))
+    fields = DistanceFields(made.raster)
+    found = [fields.field(2.0 + 0.1 * k, 3.0) for k in range(3)]
+    for field in found:
+        assert field is not None
+        field.distance(indices_of(made.raster, np.array([[3.0, 3.0]])))
+    monkeypatch.setattr(
+        fields_module, "MAX_BYTES", sum(f.nbytes for f in found[1:] if f is not None)
+    )
+    assert fields.field(2.2, 3.0) is found[2]
+    assert fields.field(2.1, 3.0) is found[1]
+    assert len(fields._kept) == 2
+    assert fields.field(2.0, 3.0) is not found[0]
 
 
 def test_a_robot_that_stands_repairs_its_field():

@@ -102,15 +102,18 @@ def test_a_robot_is_hindered_while_crowded_or_jammed():
 @given(st.lists(st.sampled_from(Event), max_size=40))
 def test_any_events_lead_to_a_state_that_its_limits_allow(events):
     progress = after(*events)
-    in_a_row = 0
+    in_a_row, has_room = 0, True
     for event in events:
+        if event is Event.NO_ROOM:
+            has_room = False
+        elif event in (Event.PATH, Event.NEW_PLACE):
+            has_room = True
         if event is Event.NO_PATH:
             in_a_row += 1
         elif event in (Event.PATH, Event.NEW_PLACE):
             in_a_row = 0
     if progress.state is State.BOXED_IN:
         gave_up = progress.setbacks == 0 or progress.setbacks >= LIMITS.gives_up_after
-        has_room = Event.NO_ROOM not in events
         assert in_a_row > LIMITS.boxed_in_after or gave_up or not has_room
     assert progress.state is not State.CROWDED or progress.setbacks >= LIMITS.crowded_after
     assert progress.state is not State.JAMMED or progress.setbacks >= LIMITS.jammed_after

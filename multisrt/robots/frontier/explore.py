@@ -32,7 +32,7 @@ Algorithm 3, communication         `team`, with `messages` and `multisrt.robots.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Generator, Iterable
+from collections.abc import Callable, Generator
 from typing import Final
 
 from multisrt.events import Decided
@@ -395,30 +395,12 @@ class FrontierExplorer:
     def stand_by(self) -> Act:
         """Be done until something new is heard."""
         robot, team, progress = self.robot, self.robot.team, self.progress
-        if progress.state is State.COMPLETE:
+        is_complete = progress.state is State.COMPLETE
+        if is_complete:
             yield from robot.tell_when_complete()
             if self._at_end is not None:
                 yield from self._at_end(robot)
-            done = Done(
-                complete=True,
-                reason="no frontier is left that it can reach",
-                on_call=team.has_receivers,
-            )
-        elif progress.state is State.OUT_OF_TIME:
-            done = Done(
-                complete=False,
-                reason=f"{NO_TIME_LEFT} goal and the way home",
-                on_call=team.has_receivers,
-            )
-        elif progress.state is State.OUT_OF_REACH:
-            done = Done(
-                complete=False,
-                reason="no goal is left from which the chain reaches the base station",
-                on_call=team.has_receivers,
-            )
-        else:
-            is_jammed = progress.because is Event.JAMMED
-            done = self.boxed_in(progress.standstill.jams if is_jammed else robot.bodies.numbers())
+        done = Done(complete=is_complete, reason=self.why_done(), on_call=team.has_receivers)
         team.phase = "idle"
         if team.has_receivers:
             yield from team.report()
@@ -431,10 +413,18 @@ class FrontierExplorer:
         team.requests.stop = team.requests.link = False
         return Event.CALLED_ON
 
-    def boxed_in(self, by: Iterable[int]) -> Done:
-        """Return the end of a robot all of whose paths others block, or walls beside its start."""
-        return Done(
-            complete=False,
-            reason=WALLED_IN if self.robot.is_walled_in else boxed_in_by(by),
-            on_call=self.robot.team.has_receivers,
-        )
+    def why_done(self) -> str:
+        """Return the reason for which the robot is done, in words."""
+        robot, progress = self.robot, self.progress
+        match progress.state:
+            case State.COMPLETE:
+                return "no frontier is left that it can reach"
+            case State.OUT_OF_TIME:
+                return f"{NO_TIME_LEFT} goal and the way home"
+            case State.OUT_OF_REACH:
+                return "no goal is left from which the chain reaches the base station"
+        if progress.because is Event.JAMMED:
+            return boxed_in_by(progress.standstill.jams)
+        if robot.is_walled_in and not self._barred(robot):
+            return WALLED_IN
+        return boxed_in_by(robot.bodies.numbers())

@@ -99,7 +99,8 @@ class SrtExplorer:
         barred_m, barring = deferred.left()
         may_leave = any(map(robot.team.roster.answers, barring))
         if open_m and robot.progress.is_boxed_in:
-            boxed_in = WALLED_IN if robot.is_walled_in else boxed_in_by(robot.obstacles.all)
+            walls = robot.is_walled_in and not robot.obstacles
+            boxed_in = WALLED_IN if walls else boxed_in_by(robot.obstacles.all)
             reason = f"{boxed_in}, with {open_m:.1f} m of frontier left open"
         elif open_m:
             reason = (

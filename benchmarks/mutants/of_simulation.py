@@ -39,8 +39,8 @@ MUTANTS: Final = (
         name="range-too-far",
         breaks="Range finders see 10 % farther than the spec says.",
         file="simulation/sensing.py",
-        old="time_s, finder.range_m, finder.beams)",
-        new="time_s, 1.1 * finder.range_m, finder.beams)",
+        old="time_s, finder.range_m, finder.beams, covered)",
+        new="time_s, 1.1 * finder.range_m, finder.beams, covered)",
     ),
     Mutant(
         name="region-beyond-walls",

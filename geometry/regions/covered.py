@@ -8,29 +8,29 @@ import shapely
 from multisrt.geometry.numerics.distances import distance_to_segments
 from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.geometry.regions.boundary import TagArray
+from multisrt.geometry.regions.scan import LaserScan, beam_spacing_rad
 
 
 def with_covered(
-    place: tuple[float, float], boundary: FloatArray, tags: TagArray, covered: FloatArray
+    scan: LaserScan, boundary: FloatArray, tags: TagArray
 ) -> tuple[FloatArray, TagArray]:
-    """Return the boundary of a region together with what a body covers.
+    """Return the boundary of the union of a region and what the body around a laser covers.
 
     Parameters
     ----------
-    place : (x, y)
-        Where the scan was taken, in metres.
+    scan : LaserScan
+        What the laser measured.
     boundary : (n, 2) array
-        Corners of the region in metres, counter-clockwise, star-shaped about the place.
+        Corners of its region in metres, counter-clockwise, star-shaped about the place of the scan.
     tags : (n,) array of int8
         Why it ends at the piece from corner i to corner i + 1.
-    covered : (k, 2) array
-        Corners of the body in metres, star-shaped about the place.
 
     Returns
     -------
     boundary, tags
         Of the union, which is star-shaped as well. A piece of the body's outline has the tag of
-        the piece of the region that is nearest to its middle.
+        the piece of the region that is nearest to its middle. The region itself if the body is not
+        known, or if a reading ends inside it, so that it cannot be as large as it is said to be.
 
     Notes
     -----
@@ -38,15 +38,25 @@ def with_covered(
     that stands right beside the wall. That body could not leave its place, as motions are planned
     in what is known to be free. Costmaps of mobile robots clear the footprint for the same reason.
     """
+    if scan.covered is None:
+        return boundary, tags
+    place = scan.configuration[:2]
     ends = np.stack([boundary, np.roll(boundary, -1, axis=0)], axis=1)
     clear_m = distance_to_segments(np.array([place]), ends.reshape(-1, 4))[0]
-    if clear_m >= np.hypot(*(covered - place).T).max():
+    if clear_m >= np.hypot(*(scan.covered - place).T).max():
         return boundary, tags
-    region, body = shapely.Polygon(boundary), shapely.Polygon(covered)
-    if region.covers(body):
+    region, body = shapely.Polygon(boundary), shapely.Polygon(scan.covered)
+    if region.covers(body) or shapely.contains_xy(body, _ends_of_beams(scan)).any():
         return boundary, tags
     union = shapely.orient_polygons(shapely.union(region, body))
     ring = shapely.get_coordinates(shapely.get_exterior_ring(union))
     pieces = np.asarray(shapely.linestrings(ends))
     middles = shapely.points(0.5 * (ring[:-1] + ring[1:]))
     return ring[:-1].copy(), tags[shapely.STRtree(pieces).nearest(middles)]
+
+
+def _ends_of_beams(scan: LaserScan) -> FloatArray:
+    x, y, _ = scan.configuration
+    ranges = np.where(np.isfinite(scan.ranges), scan.ranges, scan.range_m)
+    angles = beam_spacing_rad(scan) * np.arange(len(ranges))
+    return np.column_stack([x + ranges * np.cos(angles), y + ranges * np.sin(angles)])

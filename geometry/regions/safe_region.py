@@ -31,7 +31,7 @@ from multisrt.geometry.regions.beams import sure_reach
 from multisrt.geometry.regions.boundary import TagArray, arc_divisions, arc_tolerance
 from multisrt.geometry.regions.cones import Cones, cut_at_smallest_readings
 from multisrt.geometry.regions.covered import with_covered
-from multisrt.geometry.regions.scan import LaserScan, Scan, beam_spacing_rad
+from multisrt.geometry.regions.scan import LaserScan, Scan
 from multisrt.geometry.regions.shapes import CONTACT_TOLERANCE_M, MIN_CONES, Shape
 
 
@@ -167,26 +167,11 @@ def local_safe_region(
         )
     elif shape != "radial":
         raise InvalidInputError(f"a safe region is ball, star or radial, not {shape!r}")
-    if (
-        isinstance(scan, LaserScan)
-        and scan.covered is not None
-        and not _ends_inside(scan, scan.covered)
-    ):
-        boundary, tags = with_covered((x, y), boundary, tags, scan.covered)
+    if isinstance(scan, LaserScan):
+        boundary, tags = with_covered(scan, boundary, tags)
     boundary.setflags(write=False)
     tags.setflags(write=False)
     return LocalSafeRegion(x=x, y=y, range_m=scan.range_m, boundary=boundary, tags=tags)
-
-
-def _ends_inside(scan: LaserScan, covered: FloatArray) -> bool:
-    # Whether a reading ends inside the body, which then cannot be as large as it is said to be.
-    x, y, _ = scan.configuration
-    ranges = np.where(np.isfinite(scan.ranges), scan.ranges, scan.range_m)
-    if ranges.min() >= np.hypot(*(covered - (x, y)).T).max():
-        return False
-    angles = beam_spacing_rad(scan) * np.arange(len(ranges))
-    hits = x + ranges * np.cos(angles), y + ranges * np.sin(angles)
-    return bool(shapely.contains_xy(shapely.Polygon(covered), *hits).any())
 
 
 @kernel

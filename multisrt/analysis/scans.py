@@ -10,15 +10,14 @@ import numpy as np
 
 from multisrt.environments.environment import Environment
 from multisrt.events import NodeAdded, Pose, Sensed
-from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import ClearanceError, InvalidInputError
 from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.geometry.regions.edge_index import EdgeIndex
 from multisrt.geometry.regions.safe_region import local_safe_region
-from multisrt.geometry.regions.scan import take_scan
 from multisrt.geometry.regions.visibility import visibility_polygons
 from multisrt.recording import Recording
+from multisrt.simulation.sensing import measured
 from multisrt.spec import RobotSpec
 
 
@@ -81,13 +80,8 @@ def scanned_regions(recording: Recording, environment: Environment) -> list[Floa
 
 def shown_from(index: EdgeIndex, robot: RobotSpec, places: Sequence[Pose]) -> list[FloatArray]:
     """Return what the range finder of a robot shows from some places; see `scanned_regions`."""
-    finder, footprint = robot.range_finder, Footprint.parse(robot.footprint)
+    finder = robot.range_finder
     if finder.beams is None:
         return visibility_polygons(index, np.array(places)[:, :2], finder.range_m)
-    shown = []
-    for place in places:
-        here = Configuration(*place)
-        covered = footprint.outline_at(here)
-        scan = take_scan(index, here, math.nan, finder.range_m, finder.beams, covered)
-        shown.append(local_safe_region(scan, "radial").boundary)
-    return shown
+    scans = (measured(robot, index, Configuration(*place), math.nan) for place in places)
+    return [local_safe_region(scan, "radial").boundary for scan in scans]

@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 from multisrt.environments.environment import Environment
 from multisrt.events import AnyEvent, Learned, NodeAdded, NodeName, Sensed
 from multisrt.exporting.options import ExportOptions
-from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import ClearanceError, InvalidInputError
 from multisrt.geometry.grids.occupancy import FREE, OCCUPIED, Occupancy
@@ -27,8 +26,8 @@ from multisrt.geometry.numerics.arrays import BoolArray, ByteArray, FloatArray
 from multisrt.geometry.regions.boundary import OBSTACLE
 from multisrt.geometry.regions.edge_index import EdgeIndex
 from multisrt.geometry.regions.safe_region import LocalSafeRegion, local_safe_region
-from multisrt.geometry.regions.scan import take_scan
 from multisrt.recording import Recording
+from multisrt.simulation.sensing import measured
 
 Cells = NDArray[np.int8]
 """`UNKNOWN_CELL`, `FREE_CELL` or `OCCUPIED_CELL`, ``(rows, columns)``; row 0 is the lowest y."""
@@ -208,13 +207,9 @@ class ShownRegions:
         return self._regions[name]
 
     def _shown(self, scan: Sensed) -> LocalSafeRegion:
-        robot = self._robots[scan.robot]
-        place, finder = Configuration(*scan.configuration), robot.range_finder
-        covered = Footprint.parse(robot.footprint).outline_at(place)
+        place = Configuration(*scan.configuration)
         try:
-            taken = take_scan(
-                self._index, place, scan.time_s, finder.range_m, finder.beams, covered
-            )
+            taken = measured(self._robots[scan.robot], self._index, place, scan.time_s)
         except ClearanceError as error:
             raise InvalidInputError(
                 f"a scan of the recording was not taken in free space: {error}"

@@ -4,11 +4,39 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from multisrt.geometry.bodies.footprint import Footprint
+from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.regions.edge_index import EdgeIndex
 from multisrt.geometry.regions.scan import Scan, take_scan
 from multisrt.robots.explorer import Sighting
 from multisrt.simulation.robot import Robot
 from multisrt.simulation.traffic import Traffic
+from multisrt.spec import RobotSpec
+
+
+def measured(robot: RobotSpec, index: EdgeIndex, here: Configuration, time_s: float) -> Scan:
+    """Return what the range finder of a robot measures at a configuration.
+
+    Parameters
+    ----------
+    robot : RobotSpec
+        The robot.
+    index : EdgeIndex
+        The edges of the world.
+    here : Configuration
+        Its configuration, in metres and radians.
+    time_s : float
+        Time of the scan in seconds.
+
+    Raises
+    ------
+    ClearanceError
+        If it is not in free space.
+    """
+    finder, covered = robot.range_finder, None
+    if finder.beams is not None:
+        covered = Footprint.parse(robot.footprint).outline_at(here)
+    return take_scan(index, here, time_s, finder.range_m, finder.beams, covered)
 
 
 class Sensing:
@@ -31,10 +59,7 @@ class Sensing:
 
     def scan(self, robot: Robot, time_s: float) -> Scan:
         """Take a scan from where a robot is at a time."""
-        finder = robot.spec.range_finder
-        here = self._traffic.where(robot.number, time_s)
-        covered = robot.body.footprint.outline_at(here)
-        return take_scan(self._index, here, time_s, finder.range_m, finder.beams, covered)
+        return measured(robot.spec, self._index, self._traffic.where(robot.number, time_s), time_s)
 
     def look(self, robot: Robot, time_s: float) -> tuple[Sighting, ...]:
         """Return the bodies that a robot sees at a time, in the order of their numbers."""

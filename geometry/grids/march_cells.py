@@ -30,14 +30,12 @@ def lay_out(part: BoolArray, rim: tuple[bool, bool, bool, bool], march: March) -
     rim : tuple of bool
         Whether the grid continues behind the first row, the last, the first column and the last.
     march : March
-        Arrays of any content for the window with a border of two cells, changed in place.
+        Arrays for the window with a border of two cells, changed in place: states, marks and places
+        are 0, the others may have any content.
     """
     rows, columns = part.shape
     march.keys[0] = np.inf
-    march.state[:] = 0
-    march.marks[:] = 0
     march.distance[:] = np.inf
-    march.places[:] = 0
     for r in range(rows):
         begin = (r + 2) * march.width + 2
         state = march.state[begin : begin + columns]
@@ -73,13 +71,12 @@ def move(
         here, there = r * across + 2, (r + below) * width + left + 2
         columns = across - 4
         new.state[there : there + columns] = old.state[here : here + columns]
-        new.distance[there : there + columns] = old.distance[here : here + columns]
-        new.places[there : there + columns] = old.places[here : here + columns]
     for i in range(count):
-        new.order[i] = _moved(old.order[i], across, width, below, left)
+        u = new.order[i] = _moved(old.order[i], across, width, below, left)
+        new.places[u], new.distance[u] = i, old.distance[old.order[i]]
     for i in range(1, held + 1):
-        new.cells[i] = _moved(old.cells[i], across, width, below, left)
-        new.keys[i] = old.keys[i]
+        u = new.cells[i] = _moved(old.cells[i], across, width, below, left)
+        new.places[u], new.keys[i] = i, old.keys[i]
     for i in range(len(seeds)):
         seeds[i] = _moved(seeds[i], across, width, below, left)
 
@@ -192,6 +189,44 @@ def window_around(
         r0, r1 = min(r0, row - more), max(r1, row + more + 1)
         c0, c1 = min(c0, column - more), max(c1, column + more + 1)
     return max(0, r0), min(rows, r1), max(0, c0), min(columns, c1)
+
+
+@kernel
+def cropped(window: Corners, passable: BoolArray) -> Corners:
+    """Return the part of a window that holds its passable cells and one more cell on each side.
+
+    Parameters
+    ----------
+    window : (r0, r1, c0, c1)
+        The window.
+    passable : (rows, columns) array of bool
+        The grid.
+
+    Returns
+    -------
+    (r0, r1, c0, c1)
+        Paths within the window are within this part, too, and reach its rim only where they reach
+        that of the window. It is the window if none of its cells is passable.
+    """
+    r0, r1, c0, c1 = window
+    while r0 < r1 and not passable[r0, c0:c1].any():
+        r0 += 1
+    if r0 == r1:
+        return window
+    while not passable[r1 - 1, c0:c1].any():
+        r1 -= 1
+    left, right = c1, c0
+    for r in range(r0, r1):
+        row = passable[r]
+        for c in range(c0, left):
+            if row[c]:
+                left = c
+                break
+        for c in range(c1 - 1, right - 1, -1):
+            if row[c]:
+                right = c + 1
+                break
+    return max(window[0], r0 - 1), min(window[1], r1 + 1), max(c0, left - 1), min(c1, right + 1)
 
 
 @kernel

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from multisrt.geometry.grids.fast_march import BLOCKED, March, advance, seed, take_back
 from multisrt.geometry.grids.march_cells import (
     cells_of,
+    cropped,
     first_accepted,
     lay_out,
     march_to,
@@ -67,7 +68,7 @@ class MarchWindow:
     ) -> None:
         self.passable = passable
         self._starts = starts
-        self.window: Corners = window_around(cells, passable, starts, farthest)
+        self.window: Corners = cropped(window_around(cells, passable, starts, farthest), passable)
         r0, r1, c0, c1 = self.window
         part = np.ascontiguousarray(passable[r0:r1, c0:c1])
         self.arrays = _new_arrays(part, self.window, passable.shape)
@@ -178,19 +179,13 @@ class MarchWindow:
         r0, r1, c0, c1 = self.window
         more = max(r1 - r0, c1 - c0) // 2 + 1
         rows, columns = self.passable.shape
-        low, high, left, right = window_around(cells, self.passable, self._starts, farthest)
-        self._look_at(
-            (
-                min(low, max(0, r0 - more)),
-                max(high, min(rows, r1 + more)),
-                min(left, max(0, c0 - more)),
-                max(right, min(columns, c1 + more)),
-            )
-        )
+        wider = max(0, r0 - more), min(rows, r1 + more), max(0, c0 - more), min(columns, c1 + more)
+        self._look_at(_both(wider, window_around(cells, self.passable, self._starts, farthest)))
 
     def _look_at(self, window: Corners) -> None:
-        # Move into arrays for a larger window.
+        # Move into arrays for a larger window, or for the part of it that is needed.
         old, before = self.arrays, self.window
+        window = _both(before, cropped(window, self.passable))
         if window == before:
             return
         r0, r1, c0, c1 = window
@@ -208,16 +203,26 @@ def _new_arrays(part: BoolArray, window: Corners, shape: tuple[int, ...]) -> Mar
     size = (r1 - r0 + 4) * width
     march = March(
         width=width,
-        state=np.empty(size, np.uint8),
-        marks=np.empty(size, np.uint8),
+        state=np.zeros(size, np.uint8),
+        marks=np.zeros(size, np.uint8),
         distance=np.empty(size),
         order=np.empty(size, np.int32),
         cells=np.empty(size, np.int32),
         keys=np.empty(size),
-        places=np.empty(size, np.int32),
+        places=np.zeros(size, np.int32),
     )
     lay_out(part, (r0 > 0, r1 < shape[0], c0 > 0, c1 < shape[1]), march)
     return march
+
+
+def _both(first: Corners, second: Corners) -> Corners:
+    # The smallest window that holds two windows.
+    return (
+        min(first[0], second[0]),
+        max(first[1], second[1]),
+        min(first[2], second[2]),
+        max(first[3], second[3]),
+    )
 
 
 def _inner(array: NDArray[Number], width: int) -> NDArray[Number]:

@@ -274,6 +274,27 @@ def test_a_repaired_field_is_a_new_one_to_the_bit(seed, count):
     assert np.array_equal(field.reached(), distance_field(passable, 0.1, sources * 0.1))
 
 
+@given(st.integers(0, 100_000))
+def test_a_field_follows_free_space_that_grows_in_a_large_grid(seed):
+    rng = np.random.default_rng(seed)
+    passable = np.zeros((160, 200), bool)
+    passable[70:75, 90:95] = True
+    source = np.array([[92.5, 72.5]])
+    field = DistanceField(passable, 1.0, source)
+    for _ in range(6):
+        free = np.argwhere(passable)
+        asked = free[rng.integers(0, len(free), 3)]
+        whole = distance_field(passable, 1.0, source)
+        assert np.array_equal(field.distance(asked), whole[tuple(asked.T)])
+        row, column = free[rng.integers(len(free))]
+        height, width = rng.integers(1, 40, 2)
+        r0, c0 = max(0, row - height), max(0, column - width)
+        passable[r0 : row + height, c0 : column + width] = True
+        field.repair((r0, min(160, row + height), c0, min(200, column + width)))
+    field.complete()
+    assert np.array_equal(field.reached(), distance_field(passable, 1.0, source))
+
+
 def test_values_before_a_change_are_kept():
     passable = np.ones((40, 300), bool)
     field = DistanceField(passable, 1.0, [(5.5, 20.5)])
@@ -380,6 +401,14 @@ def test_memory_does_not_depend_on_the_size_of_the_grid():
     _, most = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     assert most < 2_000_000
+
+
+def test_memory_depends_on_where_paths_may_run():
+    passable = np.zeros((1000, 1000), bool)
+    passable[480:520, 300:700] = True
+    field = DistanceField(passable, 1.0, [(310.5, 500.5)])
+    assert field.distance([(500, 690)])[0] == pytest.approx(380.0, rel=0.001)
+    assert field.nbytes < 40 * 46 * 406
 
 
 def test_the_grid_may_be_a_view():

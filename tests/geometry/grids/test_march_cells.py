@@ -12,6 +12,7 @@ from multisrt.geometry.grids.march_cells import (
     DETOUR,
     MARGIN_CELLS,
     cells_of,
+    cropped,
     first_accepted,
     first_outside,
     lay_out,
@@ -27,13 +28,13 @@ def march(part, rim=(False, False, False, False)):
     width, size = part.shape[1] + 4, (part.shape[0] + 4) * (part.shape[1] + 4)
     arrays = March(
         width=width,
-        state=np.full(size, 9, np.uint8),
-        marks=np.full(size, 9, np.uint8),
+        state=np.zeros(size, np.uint8),
+        marks=np.zeros(size, np.uint8),
         distance=np.full(size, 9.0),
         order=np.full(size, 9, np.int32),
         cells=np.full(size, 9, np.int32),
         keys=np.full(size, 9.0),
-        places=np.full(size, 9, np.int32),
+        places=np.zeros(size, np.int32),
     )
     lay_out(part, rim, arrays)
     return arrays
@@ -56,19 +57,26 @@ def test_a_march_is_laid_out_with_a_border_of_two_cells():
 def test_cells_keep_their_values_when_the_window_grows(below, above, left, right):
     old = march(np.ones((3, 4), np.bool_))
     inner = np.flatnonzero(old.state)
-    old.distance[inner], old.places[inner] = inner + 0.5, inner
-    old.order[:5], old.cells[1:4], old.keys[1:4] = inner[:5], inner[5:8], (1.0, 2.0, 3.0)
+    accepted, front = inner[[3, 0, 4, 1, 7]], inner[[2, 5, 6]]
+    old.order[:5], old.places[accepted] = accepted, range(5)
+    old.state[accepted], old.distance[accepted] = ACCEPTED, accepted + 0.5
+    old.cells[1:4], old.places[front], old.keys[1:4] = front, (1, 2, 3), (1.0, 2.0, 3.0)
     seeds = inner[:2].astype(np.int32)
     new = march(np.zeros((3 + below + above, 4 + left + right), np.bool_))
     move(old, new, 3, 5, below, left, seeds)
     rows, columns = np.divmod(inner, old.width)
     moved = (rows + below) * new.width + columns + left
     assert np.flatnonzero(new.state).tolist() == moved.tolist()
-    assert new.distance[moved].tolist() == (inner + 0.5).tolist()
-    assert new.places[moved].tolist() == inner.tolist()
-    assert new.order[:5].tolist() == moved[:5].tolist()
-    assert (new.cells[1:4].tolist(), new.keys[1:4].tolist()) == (moved[5:8].tolist(), [1, 2, 3])
+    assert new.state[moved].tolist() == old.state[inner].tolist()
+    assert new.distance[moved].tolist() == old.distance[inner].tolist()
+    assert new.places[moved].tolist() == old.places[inner].tolist()
+    assert new.order[:5].tolist() == moved[[3, 0, 4, 1, 7]].tolist()
+    assert new.cells[1:4].tolist() == moved[[2, 5, 6]].tolist()
+    assert new.keys[1:4].tolist() == [1.0, 2.0, 3.0]
     assert seeds.tolist() == moved[:2].tolist()
+    rest = np.setdiff1d(np.arange(new.state.size), moved)
+    assert np.isinf(new.distance[rest]).all()
+    assert not new.places[rest].any()
 
 
 def test_cells_outside_of_the_window_have_number_0():
@@ -111,6 +119,27 @@ def test_a_window_has_room_for_the_way_to_the_nearest_or_the_farthest_cell():
     assert columns(False) == columns(True) == (50 - reach, 100 + reach)
     passable[:] = False
     assert columns(True) == (50 - least, 100 + least)
+
+
+@given(
+    st.sets(st.tuples(st.integers(0, 6), st.integers(0, 8)), max_size=4),
+    st.tuples(st.integers(0, 3), st.integers(4, 7), st.integers(0, 4), st.integers(5, 9)),
+)
+def test_a_window_is_cropped_to_its_passable_cells_and_one_more(cells, window):
+    passable = np.zeros((7, 9), np.bool_)
+    for cell in cells:
+        passable[cell] = True
+    r0, r1, c0, c1 = window
+    rows, columns = np.nonzero(passable[r0:r1, c0:c1])
+    expected = window
+    if len(rows):
+        expected = (
+            max(r0, r0 + rows.min() - 1),
+            min(r1, r0 + rows.max() + 2),
+            max(c0, c0 + columns.min() - 1),
+            min(c1, c0 + columns.max() + 2),
+        )
+    assert cropped(window, passable) == expected
 
 
 def test_asked_cells_are_counted_once_and_forgotten():

@@ -15,6 +15,7 @@ from multisrt.robots.knowledge import (
     Counts,
     Entries,
     Entry,
+    EntryKey,
     NodeId,
     WantMessage,
 )
@@ -33,8 +34,8 @@ class BaseStation(Listener):
 
     It merges the nodes and closings of every message that reaches it, whatever its kind. Where a
     message tells that its sender has more, it asks for the rest. It acknowledges what it has
-    learned: a robot is told the counts of what the base station has when it reports, unless it
-    was told the same before, and whenever it asks (`WantMessage`).
+    learned: a robot is told what the base station has when it reports, unless it was told the same
+    before, and whenever it asks (`WantMessage`).
 
     Parameters
     ----------
@@ -66,7 +67,7 @@ class BaseStation(Listener):
         self.entries = Entries()
         self.time_s = 0.0
         super().__init__(self, me, self.entries, ASK_PERIOD_S)
-        self._told: dict[int, Counts] = {}
+        self._told: dict[int, tuple[Counts, tuple[EntryKey, ...]]] = {}
 
     def run(self) -> Steps:
         """Take messages, one after another, for as long as the run goes on."""
@@ -93,9 +94,13 @@ class BaseStation(Listener):
             yield from self._acknowledge(sender)
             return
         has_asked = yield from self._ask_for_missing(sender, counts_in(message))
-        if not has_asked and self._told.get(sender, ()) != self.entries.counts():
+        has_news = self._told.get(sender, ((), ())) != self._known()
+        if not has_asked and has_news:
             yield from self._acknowledge(sender)
 
     def _acknowledge(self, robot: int) -> Steps:
-        self._told[robot] = self.entries.counts()
-        yield Send(AcknowledgementMessage(sender=self.number, have=self._told[robot]), robot)
+        have, beyond = self._told[robot] = self._known()
+        yield Send(AcknowledgementMessage(sender=self.number, have=have, beyond=beyond), robot)
+
+    def _known(self) -> tuple[Counts, tuple[EntryKey, ...]]:
+        return self.entries.counts(), self.entries.beyond()

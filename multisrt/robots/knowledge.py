@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import ClassVar, Final, NamedTuple, get_args
 
@@ -192,6 +192,26 @@ class Closing:
 
 Entry = Node | Closing
 
+EntryKey = tuple[int, int, int]
+"""Which entry: its robot, 0 for a node and 1 for a closing, and its number."""
+
+
+def key_of(entry: Entry) -> EntryKey:
+    """Return which entry this is.
+
+    Examples
+    --------
+    >>> arc = np.array([[0.0, 0.0, 0.0, 0.2]])
+    >>> key_of(
+    ...     Closing(
+    ...         id=ClosingId(2, 7), node=NodeId(0, 0), arc=arc, reason="too narrow", width_m=0.5
+    ...     )
+    ... )
+    (2, 1, 7)
+    """
+    robot, number = entry.id
+    return robot, int(isinstance(entry, Closing)), number
+
 
 class WantMessage(Message, frozen=True, kw_only=True):
     """A request to a robot that knows more for what the sender lacks.
@@ -226,18 +246,21 @@ class EntriesMessage(Message, frozen=True, kw_only=True):
     entries: tuple[Node | Closing, ...]
 
 
-class AcknowledgementMessage(Message, frozen=True, kw_only=True):
+class AcknowledgementMessage(Message, frozen=True, kw_only=True, omit_defaults=True):
     """Tells a robot what the base station knows.
 
     Attributes
     ----------
     have : tuple of (robot, nodes, closings)
         What the base station knows; see `Counts`.
+    beyond : tuple of EntryKey
+        What it knows besides: entries after a gap, which nobody may ever fill if their maker died.
     """
 
     kind: ClassVar[str] = "acknowledgement"
 
     have: Counts
+    beyond: tuple[EntryKey, ...] = ()
 
 
 class Entries:
@@ -270,6 +293,8 @@ class Entries:
     True
     >>> entries.have()
     {7: (0, 2)}
+    >>> entries.beyond()
+    ((7, 1, 3),)
     >>> [closing.id.number for closing in entries.missing_from({7: (0, 1)})]
     [1, 3]
     """
@@ -316,31 +341,46 @@ class Entries:
             self._counts = (*self._lines.values(),)
         return self._counts
 
-    def missing_from(self, theirs: CountsByRobot) -> tuple[Entry, ...]:
+    def beyond(self) -> tuple[EntryKey, ...]:
+        """Return what is known beyond `have`: after a gap in the numbers of a robot."""
+        return tuple(
+            (robot, which, number)
+            for robot, both in self._makers.items()
+            for which, numbers in enumerate(both)
+            for number in sorted(numbers.beyond)
+        )
+
+    def missing_from(
+        self, theirs: CountsByRobot, beyond: Collection[EntryKey] = ()
+    ) -> tuple[Entry, ...]:
         """Return the entries that another robot lacks.
 
         Parameters
         ----------
         theirs : mapping of int to (nodes, closings)
             What that robot has, as `have` returns it.
+        beyond : collection of EntryKey
+            What it has besides, as `beyond` returns it, as far as that is known.
 
         Returns
         -------
         tuple of Node or Closing
-            All that are known beyond these counts, ordered by robot, nodes first, by number.
+            All others that are known, ordered by robot, nodes first, by number.
         """
-        beyond: list[Entry] = []
+        missing: list[Entry] = []
         for robot, (nodes, closings) in self._makers.items():
             node_count, closing_count = theirs.get(robot, (0, 0))
             if nodes.end > node_count:
-                beyond += [self.nodes[NodeId(robot, n)] for n in nodes.since(node_count)]
+                missing += [self.nodes[NodeId(robot, n)] for n in nodes.since(node_count)]
             if closings.end > closing_count:
                 known = closings.since(closing_count)
-                beyond += [self.closings[ClosingId(robot, n)] for n in known]
-        return tuple(beyond)
+                missing += [self.closings[ClosingId(robot, n)] for n in known]
+        return tuple(entry for entry in missing if key_of(entry) not in beyond)
 
-    def has_more_than(self, theirs: CountsByRobot) -> bool:
-        """Whether another robot, which has these counts, lacks anything."""
+    def has_more_than(self, theirs: CountsByRobot, beyond: Collection[EntryKey] = ()) -> bool:
+        """Whether another robot lacks anything; see `missing_from` for what it has."""
+        if beyond:
+            return len(self.missing_from(theirs, beyond)) > 0
         for robot, (nodes, closings) in self._makers.items():
             node_count, closing_count = theirs.get(robot, (0, 0))
             if nodes.end > node_count or closings.end > closing_count:

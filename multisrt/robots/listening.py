@@ -32,6 +32,7 @@ from multisrt.robots.knowledge import (
     Entries,
     EntriesMessage,
     Entry,
+    EntryKey,
     NodeId,
     WantMessage,
 )
@@ -71,6 +72,8 @@ class Listener(ABC):
         Number of the base station; None if there is none.
     base_has : mapping of int to (nodes, closings)
         What the base station had when it was last heard from, as `Entries.have` returns it.
+    base_beyond : frozenset of EntryKey
+        What it has told that it has besides, as `Entries.beyond` returns it.
     base_heard_s : float
         When the base station was last heard from, in seconds; ``-inf`` if never.
     round_trip_s : float
@@ -90,6 +93,7 @@ class Listener(ABC):
         self.size = me.team
         self.base = None if me.base is None else me.team
         self.base_has: CountsByRobot = {}
+        self.base_beyond: frozenset[EntryKey] = frozenset()
         self.base_heard_s = -math.inf
         self.round_trip_s = 2.0 * me.radio.latency_s
         self.period_s = question_period_s(me.radio, ask_period_s)
@@ -113,7 +117,9 @@ class Listener(ABC):
     @property
     def carries(self) -> bool:
         """Whether there is a base station that lacks, as far as is known, what this robot knows."""
-        return self.base is not None and self._entries.has_more_than(self.base_has)
+        if self.base is None:
+            return False
+        return self._entries.has_more_than(self.base_has, self.base_beyond)
 
     def carried(self) -> tuple[Entry, ...]:
         """Return what the base station lacks, as far as is known, of what this robot knows.
@@ -123,7 +129,9 @@ class Listener(ABC):
         tuple of Node or Closing
             Ordered by robot, nodes first, by number; empty without a base station.
         """
-        return () if self.base is None else self._entries.missing_from(self.base_has)
+        if self.base is None:
+            return ()
+        return self._entries.missing_from(self.base_has, self.base_beyond)
 
     def hear(self, timeout_s: float | None = 0.0) -> Heard:
         """Receive until the motion ends, something is heard, or time is up; answer questions.
@@ -206,6 +214,7 @@ class Listener(ABC):
                 yield from self.learn(message.entries)
             case AcknowledgementMessage():
                 self.base_has = most_of(self.base_has, have_of(message.have))
+                self.base_beyond |= frozenset(message.beyond)
 
     def _answer_want(self, message: WantMessage) -> Steps:
         """Send the entries that the sender of a question lacks."""

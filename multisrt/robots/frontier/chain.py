@@ -105,6 +105,8 @@ class Chain:
         # Which front it follows, and since when.
         self._follows: int | None = None
         self._follows_since_s = -math.inf
+        # The goal for which relays are on their way.
+        self._called_for: Place | None = None
         # How often each robot was called and did not come in time.
         self._late: Counter[int] = Counter()
 
@@ -263,6 +265,7 @@ class Chain:
         late = self._not_in_place()
         if not late:
             return None
+        self._called_for = goal.place
         here = self._course.at[:2]
         way_s = [self._way_s(link) for link in late]
         named = ", ".join(str(link.robot) for link in late)
@@ -274,6 +277,11 @@ class Chain:
             is_over=lambda: not self._not_in_place(),
             until_s=self._course.time_s + max(way_s) + self._options.home_wait_s,
         )
+
+    def take_called_for(self) -> Place | None:
+        """Return the goal of the last call, once, if this is the front and all are in place."""
+        place, self._called_for = self._called_for, None
+        return place if self.is_front and not self._not_in_place() else None
 
     def note_in_vain(self) -> list[int]:
         """Record that relays did not come; return the numbers of those that are taken as lost."""

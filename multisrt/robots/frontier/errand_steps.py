@@ -30,7 +30,6 @@ def errand_now(robot: FrontierRobot) -> Errand | None:
 
 def news_errand(robot: FrontierRobot, homing: FrontierHoming) -> Errand | None:
     """Return the errand that brings news home, or to the mate of the pair that does."""
-    robot.team.requests.link = False
     why = homing.reason(robot.course) if robot.team.carries else None
     if why is not None:
         robot.team.requests.meet = False

@@ -35,6 +35,8 @@ import math
 from collections.abc import Callable, Generator
 from typing import Final
 
+import numpy as np
+
 from multisrt.events import Decided
 from multisrt.planners.home_options import NO_TIME_LEFT
 from multisrt.robots.explorer import Action, Done, Note, Outcome, RobotSelf, Sighting, Steps
@@ -162,17 +164,41 @@ class FrontierExplorer:
         """Choose a goal by the rule, unless it is clear that none can be reached; or an errand."""
         robot, team, goal = self.robot, self.robot.team, None
         self._errand = None
+        # What the front of a chain wants now is looked up below.
+        team.requests.link = False
         if not self.progress.is_jammed:
             team.phase = "choosing"
             if (errand := errand_now(robot)) is not None:
                 return (yield from self.set_out(errand))
             if robot.homing is not None:
                 robot.homing.has_left_out = False
-            goal = yield from self._rule(robot, self.progress.because)
+            goal = yield from self.called_for()
+            if goal is None:
+                goal = yield from self._rule(robot, self.progress.because)
         if robot.homing is not None:
             return (yield from self.weigh(robot.homing, goal))
         robot.set_goal(goal)
         return Event.GOAL if goal is not None else self.why_no_goal()
+
+    def called_for(self) -> Generator[Action, Outcome, Goal | None]:
+        """Return the goal for which the front of a chain called its relays, once they are in place.
+
+        It is kept: the rule may prefer another goal as soon as the relays have moved, and send them
+        to and fro forever.
+        """
+        robot = self.robot
+        chain = None if robot.homing is None else robot.homing.chain
+        place = None if chain is None else chain.take_called_for()
+        if place is None or not robot.is_frontier(*place):
+            return None
+        with robot.around_bodies():
+            field = robot.own_field()
+            if field is None or math.isinf(field.distance(robot.indices_of(np.array([place])))[0]):
+                return None
+            goal = robot.goal_at(field, *place)
+        text = "goes where it called its relays for: they are in place"
+        yield Note(Decided(time_s=robot.time_s, robot=robot.me.robot, text=text, goal=place))
+        return goal
 
     def weigh(self, homing: FrontierHoming, goal: Goal | None) -> Act:
         """Take a goal if there is time for it and the way home; else go home, if that is of use.
@@ -368,6 +394,9 @@ class FrontierExplorer:
         if met.robot in robot.bodies:
             self.progress.note_jam(met.robot)
         if robot.team.requests.any_pending:
+            asked = robot.team.requests.give_way
+            if asked is not None and asked.sender == met.robot:
+                self.progress.note_asked_instead(met.robot)
             return self.request()
         if detour is None:
             return Event.BLOCKED
@@ -424,7 +453,7 @@ class FrontierExplorer:
             case State.OUT_OF_REACH:
                 return "no goal is left from which the chain reaches the base station"
         if progress.because is Event.JAMMED:
-            return boxed_in_by(progress.standstill.jams)
+            return boxed_in_by(progress.jams)
         if robot.is_walled_in and not self._barred(robot):
             return WALLED_IN
         return boxed_in_by(robot.bodies.numbers())

@@ -54,8 +54,9 @@ COMPLETE      No frontier is left that it can reach; the robot is done until it 
 
 What ends a state is an `Event`; `TRANSITIONS` says where it leads. Attempts that fail are counted,
 and the limits are options. Jams are counted while the robot stands at one place and its map stays
-the same (`Standstill`); waits while its map stays the same, wherever it moves; and where a detour
-began no other one begins while the map stays the same. Goals to which no path was free are given
+the same (`Standstill`); waits, and requests to give way while it is blocked itself, while its map
+stays the same, wherever it moves; and where a detour began no other one begins while the map stays
+the same. Goals to which no path was free are given
 up, see `Progress.note_no_path`.
 
 ====================  ============================================================================
@@ -63,7 +64,7 @@ up, see `Progress.note_no_path`.
                       as an obstacle
 `max_waits`           times a robot enters WAITING before it is boxed in
 `max_jams`            times a robot could not pass another, or make room for it, before it is
-                      boxed in
+                      boxed in; or made room before one that it had asked the same
 `max_instant_goals`   goals in a row that end at the moment they were chosen, before it pauses
 ====================  ============================================================================
 """
@@ -266,6 +267,9 @@ class Progress:
         self._detoured_revision = raster.revision
         self._waits = 0
         self._waits_revision = raster.revision
+        # By robot, how often this one made room for it instead of passing, on the same map.
+        self._in_vain: Counter[int] = Counter()
+        self._in_vain_revision = raster.revision
         # When the last drive began, until what came of it is dealt with.
         self._set_out_s: float | None = None
         self._instant_goals = 0
@@ -337,10 +341,27 @@ class Progress:
         jams = self.standstill.jams
         jams[other] = jams.get(other, 0) + 1
 
+    def note_asked_instead(self, other: int) -> None:
+        """Count that a robot that was to give way asked this one to do so.
+
+        Moving does not make the count smaller: the two may step back and forth forever.
+        """
+        if self._in_vain_revision != self._raster.revision:
+            self._in_vain, self._in_vain_revision = Counter(), self._raster.revision
+        self._in_vain[other] += 1
+
+    @property
+    def jams(self) -> Counter[int]:
+        """By robot, how often it and this one failed to let each other pass."""
+        jams = Counter(self.standstill.jams)
+        if self._in_vain_revision == self._raster.revision:
+            jams |= self._in_vain
+        return jams
+
     @property
     def is_jammed(self) -> bool:
         """Whether neither asking nor giving way leads any further here."""
-        return sum(self.standstill.jams.values()) >= self._options.max_jams
+        return self.jams.total() >= self._options.max_jams
 
     def note_wait(self) -> None:
         """Count a wait."""

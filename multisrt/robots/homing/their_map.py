@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 from multisrt.geometry.grids.occupancy import Occupancy
-from multisrt.robots.knowledge import CountsByRobot, Entries, NodeId
+from multisrt.robots.knowledge import CountsByRobot, Entries, EntryKey, NodeId
 
 
 class TheirMap:
@@ -33,14 +35,17 @@ class TheirMap:
         self.raster = Occupancy(raster.cell_m, raster.radius_m)
         self._entries = entries
         self._painted: dict[int, int] = {}
+        self._painted_beyond: set[EntryKey] = set()
 
-    def take(self, have: CountsByRobot) -> None:
+    def take(self, have: CountsByRobot, beyond: Collection[EntryKey] = ()) -> None:
         """Add the nodes that they have.
 
         Parameters
         ----------
         have : mapping of int to (nodes, closings)
             What they have; counts never fall from call to call.
+        beyond : collection of EntryKey
+            What they have besides.
         """
         for robot, (count, _) in have.items():
             first = self._painted.get(robot, 0)
@@ -52,3 +57,9 @@ class TheirMap:
                     break
                 self.raster.add(node.region)
             self._painted[robot] = max(first, count)
+        for key in sorted(set(beyond) - self._painted_beyond):
+            robot, is_closing, serial = key
+            node = None if is_closing else self._entries.nodes.get(NodeId(robot, serial))
+            if node is not None:
+                self.raster.add(node.region)
+                self._painted_beyond.add(key)

@@ -9,12 +9,14 @@ station knows is what it has acknowledged, and not a guess.
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 import numpy as np
 
 from multisrt.geometry.grids.occupancy import Occupancy
 from multisrt.geometry.grids.occupancy.layers import FREE
 from multisrt.robots.homing.their_map import TheirMap
-from multisrt.robots.knowledge import CountsByRobot, Entries
+from multisrt.robots.knowledge import CountsByRobot, Entries, EntryKey
 
 
 class NewsWorth:
@@ -40,26 +42,25 @@ class NewsWorth:
         self._raster = raster
         self._theirs = TheirMap(entries, raster)
 
-    def known_m2(self, base_has: CountsByRobot) -> float:
+    def known_m2(self, base_has: CountsByRobot, beyond: Collection[EntryKey] = ()) -> float:
         """Return the area of the nodes that the base station has, in square metres.
 
         Parameters
         ----------
         base_has : mapping of int to (nodes, closings)
             What it has; counts never fall from call to call.
+        beyond : collection of EntryKey
+            What it has besides.
         """
-        self._theirs.take(base_has)
+        self._theirs.take(base_has, beyond)
         return self._area(self._theirs.raster)
 
-    def ratio(self, base_has: CountsByRobot) -> float:
+    def ratio(self, base_has: CountsByRobot, beyond: Collection[EntryKey] = ()) -> float:
         """Return the share of what is known here that the base station knows, from 0 to 1.
 
-        Parameters
-        ----------
-        base_has : mapping of int to (nodes, closings)
-            What it has.
+        The parameters are those of `known_m2`.
         """
-        known, whole = self.known_m2(base_has), self._area(self._raster)
+        known, whole = self.known_m2(base_has, beyond), self._area(self._raster)
         return 1.0 if whole <= known else known / whole
 
     @staticmethod

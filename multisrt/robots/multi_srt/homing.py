@@ -190,7 +190,7 @@ class SrtHoming:
         for node in list(nodes.values())[self._painted :]:
             self._raster.add(node.region)
         self._painted = len(nodes)
-        return self._worth.ratio(self._team.base_has)
+        return self._worth.ratio(self._team.base_has, self._team.base_beyond)
 
     def deliver(self) -> Steps:
         """Report until the base station has acknowledged all, for a while at the longest."""

@@ -14,6 +14,7 @@ from multisrt.robots.knowledge import (
     Counts,
     Entries,
     EntriesMessage,
+    EntryKey,
     Node,
     NodeId,
     WantMessage,
@@ -67,8 +68,8 @@ def nodes(rectangle_node):
     return [rectangle_node(k, 0, 0, 2, 2, "right") for k in range(4)]
 
 
-def acknowledged(have: Counts, to: int = 0) -> Send:
-    return Send(AcknowledgementMessage(sender=BASE, have=have), to)
+def acknowledged(have: Counts, to: int = 0, beyond: tuple[EntryKey, ...] = ()) -> Send:
+    return Send(AcknowledgementMessage(sender=BASE, have=have, beyond=beyond), to)
 
 
 def learned(*serials: int, by: int = 0, at_s: float = 0.0) -> Note:
@@ -95,6 +96,27 @@ def test_it_asks_for_what_it_lacks_and_then_acknowledges(station, nodes):
 def test_a_node_beyond_a_gap_is_learned_and_the_gap_asked_for(station, nodes):
     late = report(nodes[3], have=((0, 4, 0),))
     assert station(late) == [learned(3), Send(WantMessage(sender=BASE, have=((0, 0, 0),)), 0)]
+
+
+def test_what_lies_beyond_a_gap_that_nobody_can_fill_is_acknowledged(station, nodes):
+    # Node 1 was lost with robot 0: robot 1 does not have it either.
+    have = ((0, 1, 0),)
+    told = acknowledged(have, to=1, beyond=((0, 0, 2),))
+    assert station(report(nodes[0], nodes[2], have=have, sender=1)) == [learned(0, 2, by=1), told]
+    assert station(report(have=have, sender=1)) == []
+    more = station(report(nodes[3], have=have, sender=1))
+    assert more == [
+        learned(3, by=1),
+        acknowledged(have, to=1, beyond=((0, 0, 2), (0, 0, 3))),
+    ]
+
+
+def test_an_acknowledgement_without_gaps_is_as_small_as_its_counts():
+    have = ((0, 1, 0),)
+    plain = AcknowledgementMessage(sender=BASE, have=have)
+    assert plain.size_bytes == WantMessage(sender=BASE, have=have).size_bytes
+    beyond = AcknowledgementMessage(sender=BASE, have=have, beyond=((0, 0, 2),))
+    assert beyond.size_bytes > plain.size_bytes
 
 
 def test_each_robot_is_told_what_has_changed_since(station, nodes):
@@ -199,6 +221,21 @@ def test_a_robot_knows_what_it_carries(nodes):
     assert list(ears.take(Received((older,), 2.0))) == []
     assert ears.carried() == (nodes[2],)
     assert ears.heard == []
+
+
+def test_a_robot_does_not_carry_what_the_base_has_beyond_a_gap(nodes):
+    ears = Ears(Me(base=(1.0, 1.0)))
+    for node in (nodes[0], nodes[2], nodes[3]):
+        ears.entries.add_node(node)
+    # A closing of the same number is another entry.
+    told = AcknowledgementMessage(sender=1, have=((0, 1, 0),), beyond=((0, 0, 2), (0, 1, 3)))
+    assert list(ears.take(Received((told,), 1.0))) == []
+    assert ears.carries
+    assert ears.carried() == (nodes[3],)
+    rest = AcknowledgementMessage(sender=1, have=((0, 1, 0),), beyond=((0, 0, 3),))
+    assert list(ears.take(Received((rest,), 2.0))) == []
+    assert not ears.carries
+    assert ears.carried() == ()
 
 
 def test_a_robot_answers_the_base(nodes):

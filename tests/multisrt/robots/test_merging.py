@@ -17,7 +17,7 @@ from multisrt.geometry.regions.safe_region import LocalSafeRegion, local_safe_re
 from multisrt.geometry.regions.scan import take_scan
 from multisrt.geometry.regions.shapes import Shape
 from multisrt.robots.exploration_map import Closing, ClosingId, ExplorationMap, Node, NodeId
-from multisrt.robots.knowledge import REASONS
+from multisrt.robots.knowledge import REASONS, key_of
 
 REACH = 4.0
 WIDTHS = (0.3, 0.6, 0.45)
@@ -264,6 +264,18 @@ def test_missing_entries_come_by_robot_kind_and_number():
     assert lacking({1: (2, 6), 3: (3, 1)}) == []
     assert known.entries.has_more_than({1: (2, 5), 3: (3, 1)})
     assert not known.entries.has_more_than({1: (2, 6), 3: (3, 1)})
+
+
+def test_entries_beyond_a_gap_are_told_by_key():
+    known = map_of([plain_node(3, 0), plain_node(3, 2), plain_closing(3, 2), plain_closing(1, 5)])
+    entries = known.entries
+    assert entries.beyond() == ((1, 1, 5), (3, 0, 2), (3, 1, 2))
+    assert {key_of(entry) for entry in entries.missing_from(entries.have())} == {*entries.beyond()}
+    assert entries.missing_from(entries.have(), entries.beyond()) == ()
+    assert not entries.has_more_than(entries.have(), entries.beyond())
+    lacking = entries.missing_from(entries.have(), {(1, 1, 5), (3, 0, 2)})
+    assert [entry.id for entry in lacking] == [ClosingId(3, 2)]
+    assert entries.has_more_than(entries.have(), {(1, 1, 5), (3, 0, 2)})
 
 
 @pytest.mark.parametrize("entry", [plain_node(0, -1), plain_closing(0, -1)])

@@ -304,6 +304,25 @@ def test_the_front_calls_the_nearest_and_lets_go_who_is_not_needed():
     assert front.team.links is None
 
 
+def test_the_goal_that_relays_were_called_for_is_kept_until_they_are_there():
+    front = member(0)
+    mates, chain = front.team.mates, front.homing.chain
+    for number, x in ((1, 4.0), (2, 5.0)):
+        mates.take(report_of(front, number, (x, 1.2)))
+        mates.heard_s[number] = front.time_s
+    goal = goal_at(24.0)
+    assert chain.take_called_for() is None
+    assert chain.call(goal) is not None
+    # Both relays are still on their way, and the goal is asked for only once.
+    assert chain.take_called_for() is None
+    assert chain.call(goal) is not None
+    for said, link in enumerate(front.team.links, 1):
+        arrived = report_of(front, link.robot, link.place)
+        mates.take(msgspec.structs.replace(arrived, said=said))
+    assert chain.take_called_for() == goal.place
+    assert chain.take_called_for() is None
+
+
 def test_the_front_goes_where_its_relays_are_enough_for():
     front = member(0)
     front.team.mates.take(report_of(front, 1, (4.0, 1.2)))

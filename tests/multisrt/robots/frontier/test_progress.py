@@ -80,6 +80,21 @@ def test_jams_count_for_one_place_and_one_map():
     assert progress.standstill.jams == {}
 
 
+def test_who_makes_room_instead_of_passing_is_jammed_wherever_it_moves():
+    progress, course = progress_with(max_jams=3)
+    for step in range(3):
+        assert not progress.is_jammed
+        course.at = Configuration(step * 2.0 * MOVED_M, 0.0, 0.0)
+        progress.note_asked_instead(1)
+    assert progress.is_jammed
+    assert progress.jams == {1: 3}
+    learn(progress)
+    assert not progress.is_jammed
+    progress.note_asked_instead(2)
+    progress.note_jam(4)
+    assert progress.jams == {2: 1, 4: 1}
+
+
 def test_a_detour_is_tried_anew_from_another_place_only():
     progress, course = progress_with()
     assert not progress.has_detoured

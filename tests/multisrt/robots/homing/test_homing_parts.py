@@ -174,6 +174,7 @@ def test_worth_is_by_area_and_not_by_count(rectangle_node):
     assert NewsWorth(entries, raster).ratio({0: (2, 0)}) == pytest.approx(1.0 / 3.0, abs=0.02)
     assert NewsWorth(entries, raster).ratio({}) == 0.0
     assert NewsWorth(entries, raster).ratio({0: (3, 0), 1: (5, 0)}) == 1.0
+    assert NewsWorth(entries, raster).ratio({0: (2, 0)}, ((0, 0, 2), (0, 1, 1), (7, 0, 2))) == 1.0
 
 
 def test_nodes_that_this_robot_lacks_count_once_it_has_them(rectangle_node):

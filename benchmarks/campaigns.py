@@ -216,9 +216,8 @@ def page(campaigns: Sequence[Campaign]) -> str:
         "fixed and a new campaign is started.",
         markdown_table(("program", "seed", "missions", "failed"), map(_of_campaign, campaigns)),
         "## What was found",
-        "Defects that were found during the development of this package, by the campaigns above "
-        "or by earlier ones. Each of these runs violated an invariant, was shrunk, and is now a "
-        "test.",
+        "Defects that were found during the development of this package, by campaigns and by "
+        "experiments. Each of these runs violated an invariant and is now a test.",
         "\n".join(f"- {said}" for said in found_before()),
         "`python -m benchmarks.campaigns add FILE` adds the missions in a file written by "
         "`multisrt campaign run`; `python -m benchmarks.campaigns page` writes this page.",

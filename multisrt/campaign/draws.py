@@ -29,8 +29,15 @@ STREAM: Final = 1
 MAX_ATTEMPTS: Final = 200
 """Draws of one mission after which the grammar is taken to be wrong."""
 
-WORK_S: Final = 1500.0
-"""Upper bound of the time limit of a run times its number of robots, in seconds, mostly."""
+AMPLE_S: Final = 6000.0
+"""Time limit of a run times its number of robots, in seconds, if it is to end by itself."""
+
+MAX_AMPLE_VIEWS: Final = 60.0
+"""Bound of robots times area, in squares of the shortest range, of runs that are to end by
+themselves. Teams with cars never are: their motions take longer to compute than all else."""
+
+WORK_S: Final = 1200.0
+"""Upper bound of time limit times number of robots in the other runs, mostly."""
 
 MAX_PLANNED_VIEWS: Final = 60.0
 """Bound of robots times area, in squares of the shortest range, for strategies that plan on the
@@ -174,10 +181,9 @@ def candidate(seed: int, number: int, attempt: int) -> RunSpec:
         raise InvalidInputError("a plan for so many robots in such a world takes too long")
     radio = draw_radio(chance, robots)
     base = draw_base(chance, environment)
-    limit_s = chance.magnitude(25.0, 1200.0 if chance.happens(0.9) else 3000.0)
-    max_time_s = max(10.0, round(min(limit_s, WORK_S / len(robots)), 1))
-    if chance.happens(0.05):
-        max_time_s = limit_s
+    has_cars = any(robot.drive.is_car for robot in robots)
+    ends = not has_cars and views <= MAX_AMPLE_VIEWS and chance.happens(0.7)
+    max_time_s = _time_limit_s(chance, len(robots), ends=ends)
     spec = RunSpec(
         environment=where,
         strategy=name,
@@ -194,6 +200,16 @@ def candidate(seed: int, number: int, attempt: int) -> RunSpec:
         seed=chance.whole(0, 2**31 - 1),
     )
     return spec.canonical()
+
+
+def _time_limit_s(chance: Chance, team: int, *, ends: bool) -> float:
+    """Return the time limit of a run: ample if it is to end by itself, else any."""
+    if ends:
+        return round(AMPLE_S / team, 1)
+    limit_s = chance.magnitude(25.0, 1200.0 if chance.happens(0.9) else 3000.0)
+    if chance.happens(0.05):
+        return limit_s
+    return max(10.0, round(min(limit_s, WORK_S / team), 1))
 
 
 def _tasks(chance: Chance, team: int, radio: RadioSpec, base: BaseSpec | None) -> dict[str, Scalar]:

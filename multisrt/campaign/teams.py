@@ -32,7 +32,7 @@ TEAMS: Final = {1: 20, 2: 26, 3: 20, 4: 14, 5: 6, 6: 5, 7: 2, 8: 3, 9: 1, 10: 1,
 BODIES: Final = {"disc": 0.5, "box": 0.25, "triangle": 0.1, "polygon": 0.1, "u": 0.05}
 """Kinds of bodies, with weights."""
 
-DRIVES: Final = {"differential": 0.45, "holonomic": 0.25, "reeds-shepp": 0.18, "dubins": 0.12}
+DRIVES: Final = {"differential": 0.5, "holonomic": 0.28, "reeds-shepp": 0.13, "dubins": 0.09}
 """Kinds of drives, with weights."""
 
 PLACE_TRIES: Final = 30

@@ -31,10 +31,10 @@ POOL: Final = 400
 STREAM: Final = 0
 """Key of the random streams of worlds, after the seed of the campaign."""
 
-KINDS: Final = {"generated": 0.5, "turned": 0.13, "passages": 0.17, "odd": 0.15, "bundled": 0.05}
+KINDS: Final = {"generated": 0.45, "turned": 0.13, "passages": 0.2, "odd": 0.2, "bundled": 0.02}
 """Kinds of worlds, with weights."""
 
-SIZES_M: Final = {"small": (6.0, 12.0), "usual": (9.0, 18.0), "large": (16.0, 30.0)}
+SIZES_M: Final = {"small": (5.0, 10.0), "usual": (8.0, 16.0), "large": (14.0, 28.0)}
 """Widths of generated worlds, in metres."""
 
 GROWTH: Final = 1.25
@@ -130,7 +130,7 @@ def _inline(name: str, free: BaseGeometry) -> InlineEnvironment:
 
 def _generated(chance: Chance) -> CatalogEnvironment:
     name = chance.one_of([name for name in names() if default_parameters(name)])
-    low, high = SIZES_M[chance.weighted({"small": 0.65, "usual": 0.31, "large": 0.04})]
+    low, high = SIZES_M[chance.weighted({"small": 0.72, "usual": 0.25, "large": 0.03})]
     for _ in range(MAX_TRIES):
         parameters = {
             parameter: _parameter(parameter, default, chance, (low, high))

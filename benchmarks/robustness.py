@@ -1,8 +1,8 @@
 """Outcomes of teams with faults: ``python -m benchmarks.robustness robustness.sqlite``.
 
-Prints in Markdown a row for every strategy of the experiment `examples/robustness.toml`, and the
-reasons of runs that were not complete. The exit code is 1 if any run collided, ran out of time or
-did not end.
+Prints in Markdown a row for every strategy of the experiment `examples/robustness.toml`, or
+`examples/robustness_news.toml` for the store `robustness_news.sqlite`, and the reasons of runs that
+were not complete. The exit code is 1 if any run collided, ran out of time or did not end.
 """
 
 from __future__ import annotations
@@ -10,11 +10,19 @@ from __future__ import annotations
 import argparse
 import re
 import sys
+from pathlib import Path
+from typing import Final
 
 import pandas as pd
 
 from multisrt import load_results
 from multisrt.presets.summary import markdown_table
+
+TITLES: Final = {
+    "robustness": "Teams whose robots die, fall silent or come late",
+    "robustness_news": "Teams that bring news home, whose robots die, fall silent or come late",
+}
+"""Titles of the pages, by the name of the experiment file."""
 
 ENDED = ("complete", "stalled")
 COLUMNS = (
@@ -28,6 +36,7 @@ COLUMNS = (
     "coverage: median",
     "lower quartile",
     "minimum",
+    "delivered: median",
     "area lost with dead robots (m2): median",
 )
 
@@ -36,8 +45,11 @@ def main() -> None:
     """Print the page; exit with 1 if a run collided or did not end."""
     parser = argparse.ArgumentParser(description="outcomes of teams with faults")
     parser.add_argument("results", help="the store of `multisrt experiment run`")
-    results = load_results(parser.parse_args().results)
-    print("\n".join(page(results)))
+    store = Path(parser.parse_args().results)
+    if store.stem not in TITLES:
+        parser.error(f"the store of {' or '.join(TITLES)} is named after it, with .sqlite")
+    results = load_results(store)
+    print("\n".join(page(results, store.stem)))
     sys.exit(0 if is_right(results) else 1)
 
 
@@ -46,24 +58,30 @@ def is_right(results: pd.DataFrame) -> bool:
     return bool(results["status"].isin(ENDED).all() and (results["collisions"] == 0).all())
 
 
-def page(results: pd.DataFrame) -> list[str]:
-    """Return the lines of the page."""
+def page(results: pd.DataFrame, experiment: str) -> list[str]:
+    """Return the lines of the page of an experiment."""
+    has_base = bool(results["delivered_coverage"].notna().any())
+    delivered = (
+        " Delivered is the share of this that the base station knows at the end."
+        if has_base
+        else ""
+    )
+    strategies = results.groupby("strategy", sort=False)
+    summaries = [summary(str(name), runs) for name, runs in strategies]
+    columns = [name for name in COLUMNS if has_base or not name.startswith("delivered")]
     lines = [
-        "# Teams whose robots die, fall silent or come late",
+        f"# {TITLES[experiment]}",
         "",
-        "Made with `multisrt experiment run examples/robustness.toml` and "
-        "`python -m benchmarks.robustness robustness.sqlite`.",
+        f"Made with `multisrt experiment run examples/{experiment}.toml` and "
+        f"`python -m benchmarks.robustness {experiment}.sqlite`.",
         "",
-        f"{len(results)} runs in {', '.join(sorted(results['environment'].unique()))}, with faults "
-        "of their own each. Half of the teams start together, with walls that block the radio; "
-        "the others start apart, with a radio that loses one message in three and delays the "
-        "others by up to two seconds. Coverage is a share of what the whole team could have "
-        "seen; a robot that is shut in behind a dead one covers little and says so.",
+        f"{len(results):,} runs in {', '.join(sorted(results['environment'].unique()))}, with "
+        "faults of their own each. Half of the teams start together, with walls that block the "
+        "radio; the others start apart, with a radio that loses one message in three and delays "
+        "the others by up to two seconds. Coverage is a share of what the whole team could have "
+        f"seen; a robot that is shut in behind a dead one covers little and says so.{delivered}",
         "",
-        markdown_table(
-            COLUMNS,
-            (summary(str(name), runs) for name, runs in results.groupby("strategy", sort=False)),
-        ),
+        markdown_table(columns, ([row[name] for name in columns] for row in summaries)),
         "",
         "## Runs that were not complete",
         "",
@@ -77,11 +95,11 @@ def page(results: pd.DataFrame) -> list[str]:
     return [*lines, markdown_table(("strategy", "outcome", "why", "runs"), rows)]
 
 
-def summary(name: str, runs: pd.DataFrame) -> tuple[str, ...]:
-    """Return the row of a strategy."""
+def summary(name: str, runs: pd.DataFrame) -> dict[str, str]:
+    """Return the row of a strategy, by column."""
     ends = runs["status"].value_counts()
     coverage = runs["coverage"].quantile([0.5, 0.25, 0.0])
-    return (
+    row = (
         name,
         str(len(runs)),
         *(str(ends.get(end, 0)) for end in ENDED),
@@ -89,8 +107,10 @@ def summary(name: str, runs: pd.DataFrame) -> tuple[str, ...]:
         f"{runs['collisions'].sum():.0f}",
         f"{runs['min_distance_between_robots_m'].min():.3f}",
         *(f"{share:.3f}" for share in coverage),
+        f"{runs['delivered_coverage'].median():.3f}",
         f"{runs['lost_area_m2'].median():.1f}",
     )
+    return dict(zip(COLUMNS, row, strict=True))
 
 
 PLAIN = (

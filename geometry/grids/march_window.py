@@ -132,7 +132,8 @@ class MarchWindow:
 
     def complete(self) -> None:
         """March until every cell of the grid that can be reached is accepted."""
-        self._look_at((0, self.passable.shape[0], 0, self.passable.shape[1]))
+        rows, columns = self.passable.shape
+        self._look_at(cropped((0, rows, 0, columns), self.passable))
         self._held, self._count, _ = advance(self.arrays, self._held, self._count, -1, math.inf)
 
     def changes_in(self, window: Corners) -> tuple[IntArray, IntArray]:
@@ -180,12 +181,17 @@ class MarchWindow:
         more = max(r1 - r0, c1 - c0) // 2 + 1
         rows, columns = self.passable.shape
         wider = max(0, r0 - more), min(rows, r1 + more), max(0, c0 - more), min(columns, c1 + more)
-        self._look_at(_both(wider, window_around(cells, self.passable, self._starts, farthest)))
+        wider = _both(wider, window_around(cells, self.passable, self._starts, farthest))
+        before = self.window
+        self._look_at(cropped(wider, self.passable))
+        if self.window == before:
+            # The front has come to a rim that is blocked by now, without a `repair`.
+            self._look_at(wider)
 
     def _look_at(self, window: Corners) -> None:
-        # Move into arrays for a larger window, or for the part of it that is needed.
+        # Move into arrays for a window that holds another one as well.
         old, before = self.arrays, self.window
-        window = _both(before, cropped(window, self.passable))
+        window = _both(before, window)
         if window == before:
             return
         r0, r1, c0, c1 = window

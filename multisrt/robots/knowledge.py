@@ -379,12 +379,10 @@ class Entries:
 
     def has_more_than(self, theirs: CountsByRobot, beyond: Collection[EntryKey] = ()) -> bool:
         """Whether another robot lacks anything; see `missing_from` for what it has."""
-        if beyond:
-            return len(self.missing_from(theirs, beyond)) > 0
         for robot, (nodes, closings) in self._makers.items():
             node_count, closing_count = theirs.get(robot, (0, 0))
             if nodes.end > node_count or closings.end > closing_count:
-                return True
+                return not beyond or len(self.missing_from(theirs, beyond)) > 0
         return False
 
     def _note(self, robot: int, which: int, number: int) -> None:

@@ -35,6 +35,7 @@ from multisrt.robots.knowledge import (
     EntryKey,
     NodeId,
     WantMessage,
+    key_of,
 )
 from multisrt.robots.messages import Message
 from multisrt.robots.robot_self import RadioMember
@@ -132,6 +133,18 @@ class Listener(ABC):
         if self.base is None:
             return ()
         return self._entries.missing_from(self.base_has, self.base_beyond)
+
+    def offer(self) -> Steps:
+        """Send the base station what it lacks beyond gaps in the numbers known here.
+
+        It does not ask for that: how many entries are known without a gap does not tell of it.
+        """
+        if self.base is None:
+            return
+        beyond = frozenset(self._entries.beyond())
+        entries = tuple(e for e in self.carried() if key_of(e) in beyond) if beyond else ()
+        if entries:
+            yield Send(EntriesMessage(sender=self.number, entries=entries), self.base)
 
     def hear(self, timeout_s: float | None = 0.0) -> Heard:
         """Receive until the motion ends, something is heard, or time is up; answer questions.

@@ -281,7 +281,8 @@ class Chain:
     def take_called_for(self) -> Place | None:
         """Return the goal of the last call, once, if this is the front and all are in place."""
         place, self._called_for = self._called_for, None
-        return place if self.is_front and not self._not_in_place() else None
+        are_there = self.is_front and self._team.links and not self._not_in_place()
+        return place if are_there else None
 
     def note_in_vain(self) -> list[int]:
         """Record that relays did not come; return the numbers of those that are taken as lost."""
@@ -295,7 +296,7 @@ class Chain:
 
     def let_go(self) -> None:
         """Let all relays go, as the front has nothing to do."""
-        self._team.links = None
+        self._team.links = self._called_for = None
 
     def pass_front(self) -> None:
         """Leave the front to the next robot, as this one has nothing to do there."""

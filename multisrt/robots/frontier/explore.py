@@ -127,6 +127,7 @@ class FrontierExplorer:
         self._drive = drive
         self._at_end = at_end
         self._barred = barred
+        self._goes_to_frontiers = barred is FrontierRobot.blocked_frontiers
         self._met: Sighting | None = None
         self._errand: Errand | None = None
         # The last errand that is on record, of those that are not over.
@@ -184,12 +185,15 @@ class FrontierExplorer:
         """Return the goal for which the front of a chain called its relays, once they are in place.
 
         It is kept: the rule may prefer another goal as soon as the relays have moved, and send them
-        to and fro forever.
+        to and fro forever. Only where goals are frontiers of the raster: other rules keep account
+        of what they chose.
         """
         robot = self.robot
         chain = None if robot.homing is None else robot.homing.chain
         place = None if chain is None else chain.take_called_for()
-        if place is None or not robot.is_frontier(*place):
+        if place is None or not self._goes_to_frontiers:
+            return None
+        if not robot.is_frontier(*place) or robot.frontiers.is_given_up(place):
             return None
         with robot.around_bodies():
             field = robot.own_field()

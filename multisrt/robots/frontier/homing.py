@@ -229,7 +229,8 @@ class FrontierHoming:
         return False
 
     def _is_worth(self) -> bool:
-        judged = (self._map.entries.counts(), self._team.base_has, self._team.base_beyond)
+        nodes = len(self._map.entries.nodes)
+        judged = (nodes, self._team.base_has, self._team.base_beyond)
         if judged != self._judged:
             ratio = self._worth.ratio(self._team.base_has, self._team.base_beyond)
             self._is_worth_it = ratio < self._options.home_ratio

@@ -54,9 +54,9 @@ COMPLETE      No frontier is left that it can reach; the robot is done until it 
 
 What ends a state is an `Event`; `TRANSITIONS` says where it leads. Attempts that fail are counted,
 and the limits are options. Jams are counted while the robot stands at one place and its map stays
-the same (`Standstill`); waits, and requests to give way while it is blocked itself, while its map
-stays the same, wherever it moves; and where a detour began no other one begins while the map stays
-the same. Goals to which no path was free are given
+the same (`Standstill`); waits, and meetings in which both robots ask the other to give way, while
+its map stays the same, wherever it moves; and where a detour began no other one begins while the
+map stays the same. Goals to which no path was free are given
 up, see `Progress.note_no_path`.
 
 ====================  ============================================================================
@@ -64,7 +64,7 @@ up, see `Progress.note_no_path`.
                       as an obstacle
 `max_waits`           times a robot enters WAITING before it is boxed in
 `max_jams`            times a robot could not pass another, or make room for it, before it is
-                      boxed in; or made room before one that it had asked the same
+                      boxed in; also meetings in which it was asked to give way instead
 `max_instant_goals`   goals in a row that end at the moment they were chosen, before it pauses
 ====================  ============================================================================
 """
@@ -267,7 +267,7 @@ class Progress:
         self._detoured_revision = raster.revision
         self._waits = 0
         self._waits_revision = raster.revision
-        # By robot, how often this one made room for it instead of passing, on the same map.
+        # By robot, how often it was met and asked this one to give way, on the same map.
         self._in_vain: Counter[int] = Counter()
         self._in_vain_revision = raster.revision
         # When the last drive began, until what came of it is dealt with.

@@ -262,6 +262,7 @@ class Team(Listener):
         if self.base is not None:
             have = self._entries.counts()
             yield Send(WantMessage(sender=self.number, have=have), self.base)
+            yield from self.offer()
 
     def await_assignment(self) -> Generator[Action, Outcome, AssignmentMessage | None]:
         """Listen until the leader's assignment is heard, for at most the period of questions."""

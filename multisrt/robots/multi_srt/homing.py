@@ -201,6 +201,7 @@ class SrtHoming:
             yield from team.rest()
             have = self._map.entries.counts()
             yield Send(WantMessage(sender=team.number, have=have), team.base)
+            yield from team.offer()
             yield from team.pause(team.period_s)
         self._unheard_s = at.time_s if team.carries else None
 

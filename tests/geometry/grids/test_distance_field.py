@@ -295,6 +295,19 @@ def test_a_field_follows_free_space_that_grows_in_a_large_grid(seed):
     assert np.array_equal(field.reached(), distance_field(passable, 1.0, source))
 
 
+def test_a_field_whose_source_was_blocked_still_answers():
+    passable = np.zeros((200, 200), bool)
+    passable[95:105] = True
+    field = DistanceField(passable, 1.0, [(100.5, 100.5)])
+    assert field.distance([(100, 110)]) == [10.0]
+    passable[:, :90] = passable[:, 112:] = passable[100, 100] = False
+    passable[100, 160] = True
+    with pytest.raises(InvalidInputError, match="not in a free cell"):
+        field.repair((0, 200, 0, 200))
+    assert field.distance([(100, 110)]) == [10.0]
+    assert np.isinf(field.distance([(100, 160)])[0])
+
+
 def test_values_before_a_change_are_kept():
     passable = np.ones((40, 300), bool)
     field = DistanceField(passable, 1.0, [(5.5, 20.5)])

@@ -238,6 +238,21 @@ def test_a_robot_does_not_carry_what_the_base_has_beyond_a_gap(nodes):
     assert ears.carried() == ()
 
 
+def test_a_robot_offers_what_the_base_lacks_beyond_a_gap(nodes):
+    ears = Ears(Me(base=(1.0, 1.0)))
+    assert list(ears.offer()) == []
+    ears.entries.add_node(nodes[0])
+    ears.entries.add_node(nodes[2])
+    # The base asks for what lies before the gap by itself.
+    [offer] = ears.offer()
+    assert isinstance(offer, Send)
+    assert isinstance(offer.message, EntriesMessage)
+    assert (offer.to, offer.message.entries) == (1, (nodes[2],))
+    told = AcknowledgementMessage(sender=1, have=((0, 1, 0),), beyond=((0, 0, 2),))
+    assert list(ears.take(Received((told,), 1.0))) == []
+    assert list(ears.offer()) == []
+
+
 def test_a_robot_answers_the_base(nodes):
     ears = Ears(Me(base=(1.0, 1.0)))
     for node in nodes[:2]:

@@ -321,6 +321,12 @@ def test_the_goal_that_relays_were_called_for_is_kept_until_they_are_there():
         mates.take(msgspec.structs.replace(arrived, said=said))
     assert chain.take_called_for() == goal.place
     assert chain.take_called_for() is None
+    # Who lets its relays go has no goal to keep.
+    away = report_of(front, 1, (4.0, 1.2))
+    mates.take(msgspec.structs.replace(away, said=3))
+    assert chain.call(goal) is not None
+    chain.let_go()
+    assert chain.take_called_for() is None
 
 
 def test_the_front_goes_where_its_relays_are_enough_for():

@@ -213,7 +213,7 @@ class FrontierExplorer:
         robot.set_goal(goal)
         if goal is None:
             event = self.why_no_goal()
-            if event is Event.EXPLORED and homing.has_left_out:
+            if event in (Event.EXPLORED, Event.BOXED_IN) and homing.has_left_out:
                 why, event = left_out(homing)
         elif homing.fits(robot.course, goal):
             event = Event.GOAL

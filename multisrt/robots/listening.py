@@ -134,6 +134,13 @@ class Listener(ABC):
             return ()
         return self._entries.missing_from(self.base_has, self.base_beyond)
 
+    def ask_base(self) -> Steps:
+        """Ask the base station what it has, and send what it would not ask for; see `offer`."""
+        if self.base is not None:
+            have = self._entries.counts()
+            yield Send(WantMessage(sender=self.number, have=have), self.base)
+            yield from self.offer()
+
     def offer(self) -> Steps:
         """Send the base station what it lacks beyond gaps in the numbers known here.
 

@@ -259,10 +259,7 @@ class Team(Listener):
     def deliver(self) -> Steps:
         """Report, and ask the base station what it has: an acknowledgement may have been lost."""
         yield from self.report()
-        if self.base is not None:
-            have = self._entries.counts()
-            yield Send(WantMessage(sender=self.number, have=have), self.base)
-            yield from self.offer()
+        yield from self.ask_base()
 
     def await_assignment(self) -> Generator[Action, Outcome, AssignmentMessage | None]:
         """Listen until the leader's assignment is heard, for at most the period of questions."""

@@ -15,11 +15,11 @@ from typing import NoReturn
 from multisrt.events import Decided
 from multisrt.geometry.grids.occupancy import Occupancy
 from multisrt.robots.exploration_map import ExplorationMap
-from multisrt.robots.explorer import Note, RobotSelf, Send, Steps
+from multisrt.robots.explorer import Note, RobotSelf, Steps
 from multisrt.robots.homing.contact import ContactPlaces
 from multisrt.robots.homing.just_in_time import JustInTime
 from multisrt.robots.homing.worth import NewsWorth
-from multisrt.robots.knowledge import NodeId, WantMessage
+from multisrt.robots.knowledge import NodeId
 from multisrt.robots.multi_srt.options import MultiSrtOptions
 from multisrt.robots.multi_srt.routes import Routes
 from multisrt.robots.multi_srt.targets import NewPlace, Target
@@ -197,11 +197,8 @@ class SrtHoming:
         team, at = self._team, self._at
         until_s = at.time_s + self._options.home_wait_s
         while team.carries and at.time_s < until_s:
-            assert team.base is not None
             yield from team.rest()
-            have = self._map.entries.counts()
-            yield Send(WantMessage(sender=team.number, have=have), team.base)
-            yield from team.offer()
+            yield from team.ask_base()
             yield from team.pause(team.period_s)
         self._unheard_s = at.time_s if team.carries else None
 

@@ -1,10 +1,12 @@
 """Strategies of this project against those of the papers, in worlds on which none was tuned.
 
 ``python -m benchmarks.beyond run beyond.sqlite --maps FOLDER`` makes the runs that the store lacks,
-``python -m benchmarks.beyond page beyond.sqlite`` prints their page in Markdown. The worlds are
-fifteen of the suites and, if their folder is given, five maps of other projects. A few repetitions
-of all strategies show which of the papers' is the best; with ``--strategies`` only this one and
-that of this project are repeated more often, in a store of their own. The page takes both stores.
+``python -m benchmarks.beyond unite runs.csv beyond.sqlite`` puts them into a table, and
+``python -m benchmarks.beyond page runs.csv`` prints their page in Markdown. The worlds are fifteen
+of the suites and, if their folder is given, five maps of other projects. A few repetitions of all
+strategies show which of the papers' is the best; with ``--strategies`` only this one and that of
+this project are repeated more often, and with ``--first-seed`` repetitions go on where those of
+another machine ended, each time in a store of its own.
 """
 
 from __future__ import annotations
@@ -20,7 +22,7 @@ import numpy as np
 import pandas as pd
 
 import multisrt as ms
-from benchmarks.maps import read
+from benchmarks.maps import read as read_map
 from multisrt import load_results
 from multisrt.experiments.spec import (
     EnvironmentChoice,
@@ -70,6 +72,24 @@ LEVEL: Final = 0.05
 
 CELL: Final = ["environment", "robots", "radio"]
 
+COLUMNS_KEPT: Final = (
+    *CELL,
+    "strategy",
+    "seed",
+    "status",
+    "reason",
+    "digest",
+    "key",
+    "coverage",
+    TIME,
+    END,
+    "total_distance_m",
+    "collisions",
+    "over_informed",
+    "computing_s",
+)
+"""Columns of the table of runs."""
+
 
 def experiment(
     maps: Path | None,
@@ -77,6 +97,7 @@ def experiment(
     repetitions: int,
     reference: bool,
     strategies: Sequence[str] = (*OURS, *PAPERS),
+    first_seed: int = 0,
 ) -> ExperimentSpec:
     """Return the experiment.
 
@@ -90,12 +111,14 @@ def experiment(
         Whether times are compared with those of the informed plan.
     strategies : sequence of str
         Names of strategies.
+    first_seed : int
+        Seed of the first repetition; the others follow it.
     """
     worlds = [
         EnvironmentChoice(name=f"{suite}/{number:02d}") for suite in SUITES for number in NUMBERS
     ]
     if maps is not None:
-        worlds += [read(maps / name, name).choice for name in MAPS]
+        worlds += [read_map(maps / name, name).choice for name in MAPS]
     return ExperimentSpec(
         name="Beyond the papers",
         about="Is a strategy of this project faster than the best of the papers'?",
@@ -106,6 +129,7 @@ def experiment(
         radios=RADIOS,
         exclude=(Only(robots=1, radio=LIMITED),),
         repetitions=repetitions,
+        first_seed=first_seed,
         reference="informed" if reference else "none",
     )
 
@@ -139,15 +163,15 @@ class Comparison:
 
 
 def compared(runs: pd.DataFrame, first: str, second: str, quantity: str) -> Comparison:
-    """Compare two strategies in all cells of some runs, paired by repetition."""
+    """Compare two strategies in all cells of some runs, paired by seed."""
     a, b = (_by_cell(runs, name, quantity) for name in (first, second))
     cells = [cell for cell in a if cell in b]
     pairs = [a[cell].align(b[cell], join="inner") for cell in cells]
     ones, others = ([pair[k].to_numpy() for pair in pairs] for k in (0, 1))
-    repetitions = [pair[0].index.tolist() for pair in pairs]
+    seeds = [pair[0].index.tolist() for pair in pairs]
 
     def test(ratio: float) -> RankTest:
-        return paired_family(ones, others, repetitions=repetitions, ratio=ratio)
+        return paired_family(ones, others, repetitions=seeds, ratio=ratio)
 
     tests = corrected([paired(one, other) for one, other in zip(ones, others, strict=True)])
     is_significant = [test.p_value < LEVEL for test in tests]
@@ -172,24 +196,33 @@ def compared(runs: pd.DataFrame, first: str, second: str, quantity: str) -> Comp
 
 def of_all_strategies(runs: pd.DataFrame) -> pd.DataFrame:
     """Return the runs of those repetitions that all strategies have in a cell."""
-    pair = [*CELL, "repetition"]
+    pair = [*CELL, "seed"]
     count = runs.groupby(pair)["strategy"].transform("nunique")
     return runs[count == runs["strategy"].nunique()]
 
 
 def united(tables: Sequence[pd.DataFrame]) -> pd.DataFrame:
-    """Return the runs of several stores, each once.
+    """Return the runs of several tables, each once.
+
+    A run that one table compares with the informed plan and another does not is the one that is
+    compared.
 
     Raises
     ------
     SystemExit
-        If two stores have different recordings of a run, as those of two versions of the program.
+        If two tables have different recordings of a run, as those of two versions of the program.
     """
     runs = pd.concat(tables, ignore_index=True)
-    key = [*CELL, "strategy", "repetition"]
+    key = [*CELL, "strategy", "seed"]
     if (runs.groupby(key)["digest"].nunique() > 1).any():
-        raise SystemExit("the stores have different recordings of the same runs: make one anew")
-    return runs.drop_duplicates(key)
+        raise SystemExit("the files have different recordings of the same runs: make one anew")
+    return runs.sort_values([*key, "over_informed"]).drop_duplicates(key, ignore_index=True)
+
+
+def read(file: Path) -> pd.DataFrame:
+    """Return the runs of a table, or of the store of an experiment."""
+    runs = pd.read_csv(file) if file.suffix == ".csv" else load_results(file)
+    return runs[list(COLUMNS_KEPT)]
 
 
 def best_of(runs: pd.DataFrame, names: Sequence[str], quantity: str) -> str:
@@ -216,15 +249,16 @@ def page(runs: pd.DataFrame) -> list[str]:
     lines = [
         "# Beyond the papers",
         "",
-        "Made with `python -m benchmarks.beyond run beyond.sqlite --maps FOLDER` and "
-        "`python -m benchmarks.beyond page beyond.sqlite`.",
+        "Made with `python -m benchmarks.beyond run beyond.sqlite --maps FOLDER`, "
+        "`python -m benchmarks.beyond unite beyond.csv beyond.sqlite` and "
+        "`python -m benchmarks.beyond page beyond.csv`. The [table](beyond.csv) has all runs.",
         "",
         f"{len(runs):,} runs: {runs['environment'].nunique()} worlds, teams of "
         f"{', '.join(map(str, sorted(runs['robots'].unique())))}, full and limited radio (10 m, "
         f"walls block), {_repetitions(runs)}; robots start close together. "
         "The worlds are of the suites, which no strategy was tuned on, and maps of other "
         f"projects. {complete:.1%} of the runs are complete; {runs['collisions'].sum():.0f} "
-        "collisions. Runs are paired by repetition. A ratio is that of the times, below 1 if the "
+        "collisions. Runs are paired by seed. A ratio is that of the times, below 1 if the "
         "strategy of this project is faster, with its 95 % interval over all cells by inverting "
         "the signed-rank test of the family; the mean is the geometric mean of the ratios of the "
         "cells' medians. Cells are tested one by one, with Holm's correction over all of them.",
@@ -286,7 +320,7 @@ COLUMNS: Final = (
 
 def _repetitions(runs: pd.DataFrame) -> str:
     """Return how often the cells were repeated, such as "2 repetitions of all strategies"."""
-    of = runs.groupby("strategy")["repetition"].nunique()
+    of = runs.groupby("strategy")["seed"].nunique()
     fewest = of.min()
     often = [f"{count} of `{name}`" for name, count in of.items() if count > fewest]
     return ", ".join([f"{fewest} repetitions of all strategies", *often])
@@ -347,29 +381,34 @@ def _timed(runs: pd.DataFrame, quantity: str) -> pd.DataFrame:
 
 
 def _by_cell(runs: pd.DataFrame, name: str, quantity: str) -> dict[object, pd.Series]:
-    """Return the times of a strategy by cell, each a series by repetition."""
+    """Return the times of a strategy by cell, each a series by seed."""
     own = _timed(runs, quantity)
     own = own[own["strategy"] == name]
     return {
-        cell: of_cell.set_index("repetition")[quantity].sort_index()
+        cell: of_cell.set_index("seed")[quantity].sort_index()
         for cell, of_cell in own.groupby(CELL, sort=True)
     }
 
 
 def main() -> None:
-    """Make the runs, or print the page."""
+    """Make the runs, unite them in a table, or print the page."""
     parser = argparse.ArgumentParser(description="strategies of this project against the papers'")
     commands = parser.add_subparsers(dest="command", required=True)
     made = commands.add_parser("run", help="make the runs that a store lacks")
     made.add_argument("store", type=Path)
     made.add_argument("--maps", type=Path, help="folder with maps of other projects")
     made.add_argument("--repetitions", type=int, default=REPETITIONS)
+    made.add_argument("--first-seed", type=int, default=0, help="seed of the first repetition")
     made.add_argument(
         "--strategies", default=",".join((*OURS, *PAPERS)), help="names, comma between"
     )
     made.add_argument("--informed", action="store_true", help="compare with the informed plan")
     made.add_argument("--workers", type=int)
-    commands.add_parser("page", help="print the page").add_argument("stores", type=Path, nargs="+")
+    unite = commands.add_parser("unite", help="add runs to a table")
+    unite.add_argument("table", type=Path, help="CSV file, made if it is missing")
+    unite.add_argument("files", type=Path, nargs="+", help="stores, or tables")
+    page_of = commands.add_parser("page", help="print the page")
+    page_of.add_argument("files", type=Path, nargs="+", help="stores, or tables")
     given = parser.parse_args()
     if given.command == "run":
         spec = experiment(
@@ -377,10 +416,14 @@ def main() -> None:
             repetitions=given.repetitions,
             reference=given.informed,
             strategies=given.strategies.split(","),
+            first_seed=given.first_seed,
         )
         ms.compare(spec, store=given.store, workers=given.workers)
+    elif given.command == "unite":
+        held = [given.table] if given.table.exists() else []
+        united([read(file) for file in (*held, *given.files)]).to_csv(given.table, index=False)
     else:
-        print("\n".join(page(united([load_results(store) for store in given.stores]))))
+        print("\n".join(page(united([read(file) for file in given.files]))))
 
 
 if __name__ == "__main__":

@@ -15,6 +15,7 @@ from benchmarks.beyond import (
     experiment,
     of_all_strategies,
     page,
+    read,
     united,
 )
 from multisrt.experiments.crossing import runs as runs_of
@@ -27,14 +28,14 @@ def made(times: dict[str, float], *, repetitions: int = 12) -> pd.DataFrame:
     rng = np.random.default_rng(1)
     rows = []
     for world, team, radio in product(("a", "b"), (2, 4), (FULL, LIMITED)):
-        for repetition in range(repetitions):
+        for seed in range(repetitions):
             luck = rng.uniform(0.9, 1.1)
             rows += [
                 {
                     "environment": world,
                     "robots": team,
                     "radio": radio,
-                    "repetition": repetition,
+                    "seed": seed,
                     "strategy": name,
                     "status": "complete",
                     "collisions": 0,
@@ -94,11 +95,29 @@ def test_two_strategies_may_be_repeated_more_often_in_a_store_of_their_own():
     both = made({"gain": 80.0, "utility": 100.0}, repetitions=12).assign(digest="a")
     runs = united([made(TIMES, repetitions=2).assign(digest="a"), both])
     assert len(runs) == 8 * (2 * 3 + 10 * 2)
-    assert set(of_all_strategies(runs)["repetition"]) == {0, 1}
+    assert set(of_all_strategies(runs)["seed"]) == {0, 1}
     text = "\n".join(page(runs))
     assert "2 repetitions of all strategies, 12 of `gain`, 12 of `utility`;" in text
     full = text[text.index("With full radio") : text.index("By team size")]
     assert [row.split(" | ")[5] for row in full.splitlines() if "utility" in row] == ["48", "48"]
+
+
+def test_a_table_of_runs_is_read_as_it_was_written(tmp_path):
+    compared_with_plan = made(TIMES, repetitions=2).assign(
+        digest="a", reason="", key="k", coverage=1.0, total_distance_m=1.0, computing_s=1.0
+    )
+    runs = compared_with_plan.assign(over_informed=np.nan)
+    united([runs, compared_with_plan]).to_csv(tmp_path / "runs.csv", index=False)
+    found = read(tmp_path / "runs.csv")
+    assert len(found) == len(runs)
+    assert not found["over_informed"].isna().any()
+    assert page(found) == page(compared_with_plan)
+    assert page(united([found, runs])) == page(found)
+
+
+def test_repetitions_go_on_from_a_seed():
+    spec = experiment(None, repetitions=2, reference=False, strategies=("gain",), first_seed=5)
+    assert {run.spec.seed for run in runs_of(spec)} == {5, 6}
 
 
 def test_stores_of_two_versions_of_the_program_are_refused():

@@ -26,6 +26,7 @@ from numpy.random import Generator
 
 from multisrt.geometry.bodies.clearance import paths_keep_clear
 from multisrt.geometry.configuration import Configuration
+from multisrt.geometry.numerics import libm
 from multisrt.geometry.numerics.arrays import FloatArray
 from multisrt.geometry.numerics.distances import (
     distance_to_boundary,
@@ -252,7 +253,7 @@ class SrtPlanner:
         directions = np.concatenate(
             [
                 np.arange(APPROACH_DIRECTIONS) * (2.0 * math.pi / APPROACH_DIRECTIONS),
-                np.arctan2(ends[:, 1] - at.y, ends[:, 0] - at.x),
+                libm.arctan2(ends[:, 1] - at.y, ends[:, 0] - at.x),
             ]
         )
         limits = reach_fan(

@@ -19,6 +19,7 @@ STRATEGIES = [
     "self-bidding",
     "rules",
     "gain",
+    "routes",
 ]
 
 

@@ -5,6 +5,7 @@ from typing import Final
 
 import numpy as np
 
+from multisrt.geometry.numerics import libm
 from multisrt.geometry.numerics.arrays import FloatArray
 
 FLATNESS_M: Final = 0.005
@@ -41,7 +42,7 @@ def cubic_points(controls: FloatArray, tolerance: float) -> FloatArray:
     t = _steps(math.sqrt(bend / (8.0 * tolerance)))[:, np.newaxis]
     s = 1.0 - t
     p0, p1, p2, p3 = controls
-    points: FloatArray = s**3 * p0 + 3 * s * s * t * p1 + 3 * s * t * t * p2 + t**3 * p3
+    points: FloatArray = s * s * s * p0 + 3 * s * s * t * p1 + 3 * s * t * t * p2 + t * t * t * p3
     points[-1] = p3
     return points
 
@@ -89,7 +90,7 @@ def arc_points(
     if abs(sweep) > 6.28:  # whole ellipses keep their four extreme points
         number = 4.0 * math.ceil(min(number, MAX_SEGMENTS) / 4.0)
     t = start + sweep * _steps(number)
-    x, y = radii[0] * np.cos(t), radii[1] * np.sin(t)
+    x, y = radii[0] * libm.cos(t), radii[1] * libm.sin(t)
     cos, sin = math.cos(turn), math.sin(turn)
     return np.column_stack([center[0] + cos * x - sin * y, center[1] + sin * x + cos * y])
 

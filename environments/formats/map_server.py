@@ -24,6 +24,7 @@ from multisrt.environments.formats.files import (
 from multisrt.environments.formats.image import Pixels, read_pixels
 from multisrt.environments.formats.map_format import Beginning, MapFormat
 from multisrt.geometry.errors import MAX_REASON, MapFormatError, reason_of, shortened, shown
+from multisrt.geometry.numerics import libm
 from multisrt.geometry.numerics.kernel import BoolArray, FloatArray
 
 if TYPE_CHECKING:
@@ -100,7 +101,7 @@ def read_map_server(
     turn = np.array([[cos, sin], [-sin, cos]])
 
     def placed(points: FloatArray) -> FloatArray:
-        moved: FloatArray = (points @ turn if yaw else points) + (x, y)
+        moved: FloatArray = (libm.product(points, turn) if yaw else points) + (x, y)
         return moved
 
     polygons = grid_polygons(path, free, resolution)

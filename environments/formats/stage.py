@@ -32,6 +32,7 @@ from multisrt.environments.formats.map_format import Beginning, MapFormat
 from multisrt.environments.formats.regions import require_few_overlaps
 from multisrt.environments.formats.worldfile import Entity, parse_worldfile
 from multisrt.geometry.errors import MapFormatError, shortened
+from multisrt.geometry.numerics import libm
 from multisrt.geometry.numerics.kernel import FloatArray
 
 FREE_SHARE: Final = 0.5
@@ -195,8 +196,8 @@ class _Pose:
     heading: float = 0.0
 
     def __matmul__(self, inner: "_Pose") -> "_Pose":
-        x, y = self.matrix @ (inner.x, inner.y)
-        return _Pose(self.x + float(x), self.y + float(y), self.heading + inner.heading)
+        x, y = libm.product(np.array([[inner.x, inner.y]]), self.matrix.T)[0].tolist()
+        return _Pose(self.x + x, self.y + y, self.heading + inner.heading)
 
     @property
     def matrix(self) -> FloatArray:
@@ -209,7 +210,7 @@ class _Pose:
         turn = self.matrix.T
 
         def placed(points: FloatArray) -> FloatArray:
-            return flushed(points @ turn + (self.x, self.y))
+            return flushed(libm.product(points, turn) + np.array([self.x, self.y]))
 
         moved = shapely.transform(shape, placed)
         if moved.is_valid:

@@ -12,6 +12,7 @@ from multisrt.environments.generators.as_drawn import polygon_around, starts_amo
 from multisrt.environments.generators.difficulty import between
 from multisrt.environments.generators.parameters import call_text, number, rounded_up, seed_number
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.numerics import libm
 from multisrt.geometry.numerics.kernel import FloatArray
 
 WIDER_M = 8.0
@@ -219,7 +220,7 @@ def _building(lot: _Lot, passage_m: float, court: bool, rng: np.random.Generator
 
 def _regular(x: float, y: float, radius: float, turns: FloatArray) -> Polygon:
     return Polygon(
-        np.round(np.column_stack([x + radius * np.cos(turns), y + radius * np.sin(turns)]), 3)
+        np.round(np.column_stack([x + radius * libm.cos(turns), y + radius * libm.sin(turns)]), 3)
     )
 
 
@@ -235,7 +236,7 @@ def _tower(wide: float, high: float, rng: np.random.Generator) -> FloatArray:
     """Return a round tower, or a box where it would be an oval."""
     if min(wide, high) < 0.7 * max(wide, high):
         return _box(wide, high, rng)
-    unit = np.column_stack([np.cos(ROUND), np.sin(ROUND)])
+    unit = np.column_stack([libm.cos(ROUND), libm.sin(ROUND)])
     corners: FloatArray = (1.0 + unit) * [wide / 2, high / 2]
     return corners
 

@@ -12,6 +12,7 @@ from multisrt.environments.environment import Environment
 from multisrt.environments.generators.parameters import call_text, number, seed_number
 from multisrt.environments.generators.passable import passable, starts_near
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.numerics import libm
 
 TRIES = 500
 """Number of places tried for an obstacle before a smaller one is tried."""
@@ -143,20 +144,20 @@ def _box(radius: float, passage_m: float, rng: np.random.Generator) -> BaseGeome
 
 def _triangle(radius: float, passage_m: float, rng: np.random.Generator) -> BaseGeometry:
     angles = np.array([0.0, 2.0, 4.0]) + rng.uniform(-0.35, 0.35, 3)
-    return Polygon(radius * np.column_stack([np.cos(angles), np.sin(angles)]))
+    return Polygon(radius * np.column_stack([libm.cos(angles), libm.sin(angles)]))
 
 
 def _polygon(radius: float, passage_m: float, rng: np.random.Generator) -> BaseGeometry:
     corners = int(rng.integers(5, 9))
     angles = (np.arange(corners) + rng.uniform(-0.3, 0.3, corners)) * math.tau / corners
-    return Polygon(radius * np.column_stack([np.cos(angles), np.sin(angles)]))
+    return Polygon(radius * np.column_stack([libm.cos(angles), libm.sin(angles)]))
 
 
 def _star(radius: float, passage_m: float, rng: np.random.Generator) -> BaseGeometry:
     tips = int(rng.integers(4, 7))
     angles = np.arange(2 * tips) * math.pi / tips
     reach = np.where(np.arange(2 * tips) % 2 == 0, radius, 0.5 * radius)
-    return Polygon(reach[:, None] * np.column_stack([np.cos(angles), np.sin(angles)]))
+    return Polygon(reach[:, None] * np.column_stack([libm.cos(angles), libm.sin(angles)]))
 
 
 def _l_shape(radius: float, passage_m: float, rng: np.random.Generator) -> BaseGeometry:

@@ -13,6 +13,7 @@ from multisrt.environments.generators.as_drawn import starts_among
 from multisrt.environments.generators.difficulty import between
 from multisrt.environments.generators.parameters import call_text, number, rounded_up, seed_number
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.numerics import libm
 from multisrt.geometry.numerics.kernel import BoolArray, FloatArray, IntArray
 
 PLOT = 7
@@ -165,7 +166,7 @@ def _corridors(
     index = np.arange(columns * columns).reshape(columns, columns)
     one = np.concatenate([index[:, :-1].ravel(), index[:-1].ravel()])
     other = np.concatenate([index[:, 1:].ravel(), index[1:].ravel()])
-    cost = np.where(inside.ravel(), 0.5, 0.02 + rng.random(columns * columns) ** winding)
+    cost = np.where(inside.ravel(), 0.5, 0.02 + libm.power(rng.random(columns * columns), winding))
     weights = np.round(cost[one] + cost[other], 9)
     graph = coo_array((weights, (one, other)), (columns * columns,) * 2).tocsr()
     _, before = dijkstra(graph, directed=False, indices=np.array(root), return_predecessors=True)

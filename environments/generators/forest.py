@@ -10,6 +10,7 @@ from multisrt.environments.environment import Environment
 from multisrt.environments.generators.as_drawn import polygon_around, starts_among
 from multisrt.environments.generators.parameters import call_text, number, rounded_up, seed_number
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.numerics import libm
 from multisrt.geometry.numerics.kernel import BoolArray, FloatArray
 
 TRUNK_M = (0.15, 0.6)
@@ -87,7 +88,7 @@ def forest(
     centres, radii = _spread(size_m, gap_m, passage_m, rng)
     turns = (np.arange(CORNERS) + rng.uniform(0.0, 1.0, (len(radii), 1))) * (math.tau / CORNERS)
     outlines = centres[:, None] + radii[:, None, None] * np.stack(
-        [np.cos(turns), np.sin(turns)], axis=-1
+        [libm.cos(turns), libm.sin(turns)], axis=-1
     )
     side, middle = passage_m / 2, size_m / 2
     clearance = min(0.6, 0.45 * passage_m)

@@ -25,6 +25,7 @@ from multisrt.geometry.bodies.outlines import (
 )
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError, shown
+from multisrt.geometry.numerics import libm
 from multisrt.geometry.numerics.arrays import FloatArray
 
 DISC_SIDES: Final = 128
@@ -103,7 +104,7 @@ class Footprint:
         # Sides touch the disc on the axes, so that bounding boxes are exact.
         angle = (np.arange(DISC_SIDES) + 0.5) * (2.0 * math.pi / DISC_SIDES)
         reach = radius / math.cos(math.pi / DISC_SIDES)
-        around = reach * np.column_stack([np.cos(angle), np.sin(angle)])
+        around = reach * np.column_stack([libm.cos(angle), libm.sin(angle)])
         return cls(f"disc:{_number(radius)}", around, radius)
 
     @classmethod
@@ -243,7 +244,7 @@ class Footprint:
         hull = convex_hull(self._vertices)
         along = np.roll(hull, -1, axis=0) - hull
         normals = np.column_stack([-along[:, 1], along[:, 0]]) / np.hypot(*along.T)[:, None]
-        offsets = normals @ hull.T
+        offsets = libm.product(normals, hull.T)
         return float((offsets.max(axis=1) - offsets.min(axis=1)).min())
 
     @cached_property
@@ -480,7 +481,7 @@ def place(points: FloatArray, x: float, y: float, heading: float) -> FloatArray:
     [[2.0, 4.0]]
     """
     c, s = math.cos(heading), math.sin(heading)
-    placed: FloatArray = points @ np.array([[c, s], [-s, c]]) + np.array([x, y])
+    placed: FloatArray = libm.product(points, np.array([[c, s], [-s, c]])) + np.array([x, y])
     return placed
 
 

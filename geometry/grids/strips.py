@@ -19,6 +19,7 @@ import shapely
 from numpy.typing import NDArray
 from shapely import Polygon
 
+from multisrt.geometry.numerics import libm
 from multisrt.geometry.numerics.kernel import FloatArray, IntArray, kernel
 
 Number = TypeVar("Number", bound=np.generic)
@@ -45,7 +46,7 @@ class Strips(NamedTuple):
     def frame(self, points: FloatArray) -> FloatArray:
         """Return points ``(n, 2)`` with their coordinates along and across the strips."""
         cos, sin = math.cos(self.tilt_rad), math.sin(self.tilt_rad)
-        turned: FloatArray = points @ np.array([[cos, -sin], [sin, cos]])
+        turned: FloatArray = libm.product(points, np.array([[cos, -sin], [sin, cos]]))
         return turned
 
 

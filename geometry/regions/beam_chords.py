@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.numerics import libm
 from multisrt.geometry.numerics.kernel import FloatArray, kernel
 from multisrt.geometry.regions.beams import MIN_BEAMS, MIN_CORNER_RAD
 from multisrt.geometry.regions.boundary import GAP, OBSTACLE, RANGE, TagArray
@@ -61,7 +62,7 @@ def boundary_from_beams(scan: LaserScan) -> tuple[FloatArray, TagArray]:
 @lru_cache(maxsize=16)
 def _directions(beams: int, spacing_rad: float) -> FloatArray:
     angles = spacing_rad * np.arange(beams)
-    directions = np.column_stack([np.cos(angles), np.sin(angles)])
+    directions = np.column_stack([libm.cos(angles), libm.sin(angles)])
     directions.setflags(write=False)
     return directions
 

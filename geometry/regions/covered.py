@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
+from multisrt.geometry.numerics import libm
 from multisrt.geometry.numerics.distances import distance_to_segments
 from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.geometry.regions.boundary import TagArray
@@ -59,4 +60,4 @@ def _ends_of_beams(scan: LaserScan) -> FloatArray:
     x, y, _ = scan.configuration
     ranges = np.where(np.isfinite(scan.ranges), scan.ranges, scan.range_m)
     angles = beam_spacing_rad(scan) * np.arange(len(ranges))
-    return np.column_stack([x + ranges * np.cos(angles), y + ranges * np.sin(angles)])
+    return np.column_stack([x + ranges * libm.cos(angles), y + ranges * libm.sin(angles)])

@@ -7,6 +7,7 @@ from functools import lru_cache
 import numpy as np
 
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.numerics import libm
 from multisrt.geometry.numerics.kernel import FloatArray, kernel, unsigned
 from multisrt.geometry.regions.edge_index import EdgeGrid, EdgeIndex, edges_within
 from multisrt.geometry.regions.viewpoint import (
@@ -70,7 +71,7 @@ def laser_ranges(
 @lru_cache(maxsize=32)
 def _beam_directions(beams: int, first_rad: float) -> FloatArray:
     angles = first_rad + np.arange(beams) * (2.0 * np.pi / beams)
-    directions = np.array([np.cos(angles), np.sin(angles)])
+    directions = np.array([libm.cos(angles), libm.sin(angles)])
     directions.setflags(write=False)
     return directions
 

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from multisrt.geometry.numerics import libm
 from multisrt.geometry.numerics.arrays import BoolArray, FloatArray
 
 TURN_TOLERANCE_RAD = 1e-12
@@ -40,7 +41,7 @@ def centres_of_rotation(starts: FloatArray, ends: FloatArray, turns: FloatArray)
     chords = ends - starts
     aside = np.column_stack([-chords[:, 1], chords[:, 0]])
     stays = (chords == 0.0).all(axis=1)
-    height = 0.5 / np.tan(np.where(stays, 1.0, 0.5 * turns))
+    height = 0.5 / libm.tan(np.where(stays, 1.0, 0.5 * turns))
     return starts + 0.5 * chords + height[:, None] * aside
 
 
@@ -85,15 +86,15 @@ def arcs_to_segments(
     a, b = segments[..., 0, :], segments[..., 1, :]
     spoke = starts - centres
     radius = np.hypot(spoke[..., 0], spoke[..., 1])
-    begin = np.arctan2(spoke[..., 1], spoke[..., 0])
-    cos, sin = np.cos(turns), np.sin(turns)
+    begin = libm.arctan2(spoke[..., 1], spoke[..., 0])
+    cos, sin = libm.cos(turns), libm.sin(turns)
     ends = centres + np.stack(
         [cos * spoke[..., 0] - sin * spoke[..., 1], sin * spoke[..., 0] + cos * spoke[..., 1]], -1
     )
     nearest = np.minimum(_to_segment(starts, a, b), _to_segment(ends, a, b))
 
     def on_arc(ray: FloatArray) -> BoolArray:
-        ahead = (np.arctan2(ray[..., 1], ray[..., 0]) - begin) * np.where(turns < 0.0, -1.0, 1.0)
+        ahead = (libm.arctan2(ray[..., 1], ray[..., 0]) - begin) * np.where(turns < 0.0, -1.0, 1.0)
         ahead = np.mod(ahead + TURN_TOLERANCE_RAD, 2.0 * math.pi)
         within: BoolArray = ahead <= np.abs(turns) + 2.0 * TURN_TOLERANCE_RAD
         return within

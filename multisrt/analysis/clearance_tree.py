@@ -26,6 +26,7 @@ from scipy.sparse import csgraph
 from scipy.spatial import Delaunay, cKDTree
 from shapely import Polygon
 
+from multisrt.geometry.numerics import libm
 from multisrt.geometry.numerics.kernel import BoolArray, FloatArray, IntArray, kernel
 
 SPACING_M: Final = 0.05
@@ -310,8 +311,8 @@ class ClearanceTree:
         # Area of each pocket that the disc covers: the circular segment on its mouth as chord.
         along = self.ends[links, 1] - self.ends[links, 0]
         half = np.minimum(1.0, np.hypot(*along.T) / (2.0 * radius_m))
-        angle = 2.0 * np.arcsin(half)
-        bulges: FloatArray = 0.5 * radius_m**2 * (angle - np.sin(angle))
+        angle = 2.0 * libm.arcsin(half)
+        bulges: FloatArray = 0.5 * radius_m**2 * (angle - libm.sin(angle))
         return bulges
 
 

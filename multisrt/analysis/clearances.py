@@ -18,6 +18,7 @@ from multisrt.analysis.arc_distances import arcs_to_segments, centres_of_rotatio
 from multisrt.analysis.poses import durations, leg_lengths, legs_at, poses_on, tracks
 from multisrt.environments.environment import Environment
 from multisrt.geometry.bodies.footprint import Footprint
+from multisrt.geometry.numerics import libm
 from multisrt.geometry.numerics.kernel import BoolArray, FloatArray
 from multisrt.recording import Recording
 
@@ -113,7 +114,7 @@ def _on_turns(
     turns = legs[:, 7] - legs[:, 3]
     centres = centres_of_rotation(legs[:, 1:3], legs[:, 5:7], turns)
     # An arc is no farther from its chord than its sagitta.
-    sagittas = np.hypot(*(legs[:, 1:3] - centres).T) * (1.0 - np.cos(0.5 * turns))
+    sagittas = np.hypot(*(legs[:, 1:3] - centres).T) * (1.0 - libm.cos(0.5 * turns))
     stays = (legs[:, 1:3] == legs[:, 5:7]).all(axis=1)
     chords = np.asarray(shapely.linestrings(legs[:, [1, 2, 5, 6]].reshape(-1, 2, 2)))
     chords[stays] = shapely.points(legs[stays, 1:3])
@@ -141,7 +142,7 @@ def _on_turns(
 
 def _placed(points: FloatArray, poses: FloatArray) -> FloatArray:
     # Points in the frame of a body, at many poses; (poses, points, 2).
-    cos, sin = np.cos(poses[:, 2])[:, None], np.sin(poses[:, 2])[:, None]
+    cos, sin = libm.cos(poses[:, 2])[:, None], libm.sin(poses[:, 2])[:, None]
     x, y = points[:, 0], points[:, 1]
     return np.stack([poses[:, :1] + cos * x - sin * y, poses[:, 1:2] + sin * x + cos * y], axis=-1)
 
@@ -287,10 +288,10 @@ def _motion_at(legs: FloatArray, times: FloatArray) -> tuple[FloatArray, FloatAr
     # Position, velocity and turn rate of reference points.
     poses, duration = poses_on(legs, times), durations(legs)
     turn = legs[:, 7] - legs[:, 3]
-    angle = np.arctan2(legs[:, 6] - legs[:, 2], legs[:, 5] - legs[:, 1])
+    angle = libm.arctan2(legs[:, 6] - legs[:, 2], legs[:, 5] - legs[:, 1])
     angle = angle + poses[:, 2] - legs[:, 3] - turn / 2.0
     speed = leg_lengths(legs) / duration
-    velocity = np.column_stack([speed * np.cos(angle), speed * np.sin(angle)])
+    velocity = np.column_stack([speed * libm.cos(angle), speed * libm.sin(angle)])
     return poses[:, :2], velocity, turn / duration
 
 

@@ -22,6 +22,7 @@ from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.grids.strip_map import OUTSIDE, StripMap
 from multisrt.geometry.grids.strips import Runs, Strips, runs_of, runs_of_polygon, strips
+from multisrt.geometry.numerics import libm
 from multisrt.geometry.numerics.kernel import BoolArray, FloatArray
 from multisrt.geometry.regions.edge_index import EdgeIndex
 from multisrt.geometry.regions.visibility import visibility_polygons
@@ -199,10 +200,10 @@ def _tilt_rad(walls: FloatArray) -> float:
     # The direction in which the least length of walls runs: where regions end along strips, beside
     # walls or at an arc that touches one, they are wrong by up to half a strip.
     along = walls[:, 2:] - walls[:, :2]
-    lengths, directions = np.hypot(*along.T), np.arctan2(along[:, 1], along[:, 0])
+    lengths, directions = np.hypot(*along.T), libm.arctan2(along[:, 1], along[:, 0])
     between = np.abs(np.subtract.outer(TILTS_RAD, directions)) % math.pi
     runs_along = np.minimum(between, math.pi - between) < ALONG_RAD
-    return TILTS_RAD[int(np.argmin(runs_along @ lengths))]
+    return TILTS_RAD[int(np.argmin((runs_along * lengths).sum(axis=1)))]
 
 
 @lru_cache(maxsize=16)

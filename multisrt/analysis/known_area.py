@@ -160,7 +160,7 @@ class _Ledger:
         history = self._proof.regions.relabel(self._plane, self._tables, regions, tables)
         alone = np.vstack([self.alone_m2, np.maximum(0.0, of_one(history))])
         spans = np.diff([self._settled_s, *times, until_s])
-        self.integral_m2s += spans @ alone
+        self.integral_m2s += (spans[:, None] * alone).sum(axis=0)
         self.alone_m2 = alone[-1]
         self._settled_s = until_s
         self._news.clear()

@@ -6,10 +6,9 @@ one another without gaps from 0 to the end of the run.
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
+from multisrt.geometry.numerics import libm
 from multisrt.geometry.numerics.kernel import FloatArray, kernel
 
 START, END, X, Y, VX, VY, TURN, SPEED = range(8)
@@ -38,8 +37,8 @@ def track_of_legs(legs: FloatArray) -> FloatArray:
     turn = np.where(moves, b[:, 3] - a[:, 3], 0.0)
     duration = np.where(lasting, b[:, 0] - a[:, 0], 1.0)
     # An arc is longer than its chord, and starts at an angle of half its turn to it.
-    rate = 1.0 / (np.sinc(turn / (2.0 * math.pi)) * duration)
-    cos, sin = rate * np.cos(turn / 2.0), rate * np.sin(turn / 2.0)
+    rate = 1.0 / (libm.sinc(turn / 2.0) * duration)
+    cos, sin = rate * libm.cos(turn / 2.0), rate * libm.sin(turn / 2.0)
     vx = cos * chord[:, 0] + sin * chord[:, 1]
     vy = cos * chord[:, 1] - sin * chord[:, 0]
     track = np.column_stack(

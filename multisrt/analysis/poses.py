@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 
 from multisrt.events import Motion, Purpose
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.numerics import libm
 from multisrt.geometry.numerics.kernel import FloatArray, IntArray
 from multisrt.recording import Recording
 
@@ -179,9 +180,9 @@ def _poses(legs: FloatArray, share: FloatArray) -> FloatArray:
     # The poses at a share, from 0 to 1, of each leg; (n, 3).
     chord_x, chord_y = legs[:, 5] - legs[:, 1], legs[:, 6] - legs[:, 2]
     turn = legs[:, 7] - legs[:, 3]
-    length = share * np.sinc(share * turn / (2.0 * math.pi)) / _chord_share(turn)
+    length = share * libm.sinc(share * turn / 2.0) / _chord_share(turn)
     angle = (share - 1.0) * turn / 2.0
-    cos, sin = length * np.cos(angle), length * np.sin(angle)
+    cos, sin = length * libm.cos(angle), length * libm.sin(angle)
     return np.column_stack(
         [
             legs[:, 1] + cos * chord_x - sin * chord_y,
@@ -193,5 +194,5 @@ def _poses(legs: FloatArray, share: FloatArray) -> FloatArray:
 
 def _chord_share(turn: FloatArray) -> FloatArray:
     # The ratio of the length of a chord to that of its arc.
-    share: FloatArray = np.sinc(turn / (2.0 * math.pi))
+    share: FloatArray = libm.sinc(turn / 2.0)
     return np.where(share == 0.0, 1.0, share)  # a full turn in place, which has no chord

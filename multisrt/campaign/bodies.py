@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
+from multisrt.geometry.numerics import libm
 from multisrt.spec import RunSpec
 
 FloatArray = NDArray[np.float64]
@@ -53,7 +54,7 @@ class Body:
         along = np.diff(corners, axis=0)
         across = np.column_stack([-along[:, 1], along[:, 0]]) / np.hypot(*along.T)[:, None]
         # The least extent is that across a side.
-        return float(np.ptp(corners @ across.T, axis=0).min())
+        return float(np.ptp(libm.product(corners, across.T), axis=0).min())
 
     def pieces(self) -> list[FloatArray]:
         """Return triangles that make up a polygon, each ``(3, 2)``."""

@@ -130,7 +130,9 @@ class GoalChosen(Event, frozen=True, kw_only=True, tag="goal_chosen"):
     rounds : tuple of (robot, target, utility, share)
         `utility` and `greedy`: which robot got which target, in order, with its utility and its
         path length as a share of the longest one. `gain`: with the area that was left to the
-        target, in square metres, and its value in place of these.
+        target, in square metres, and its value in place of these. `routes`: the stops of all
+        routes, those of each robot in order, with the unknown area in sight of the target, and the
+        length of the route up to there in metres.
     bids : tuple of rows
         `self-bidding`: the matrix of bids that was matched; None for infinite ones.
     phi_m : tuple of float

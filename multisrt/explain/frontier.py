@@ -114,7 +114,7 @@ class _BidStory(ChoiceStory[GoalChosen]):
         if choice.rule == "closest" and choice.frontiers:
             yield "only the path to the nearest frontier is computed"
         yield from self._tables()
-        yield from self._rounds()
+        yield from self._routes() if choice.rule == "routes" else self._rounds()
         if choice.rule == "utility" and choice.costs and not choice.rounds and choice.goal:
             yield "its leader knew no goal for it that is a frontier on its own map: the nearest"
         if choice.phi_m:
@@ -205,6 +205,18 @@ class _BidStory(ChoiceStory[GoalChosen]):
             )
         if len(rounds) > MAX_ROWS:
             yield f"and {many(len(rounds) - MAX_ROWS, 'more round')}"
+
+    def _routes(self) -> Iterator[str]:
+        stops: dict[int, list[str]] = {robot: [] for robot in self.choice.robots}
+        for robot, target, _, at_m in self.choice.rounds:
+            stops[robot].append(f"{target} at {at_m:.1f} m")
+        yield "routes: frontiers in the order of visits, and the length of the route up to each"
+        for robot, route in stops.items():
+            rest = len(route) - MAX_ROWS
+            more = f", and {rest} more" if rest > 0 else ""
+            yield f"{self._name(robot)}: {', '.join(route[:MAX_ROWS]) or 'none'}{more}"
+        if not stops[self.robot]:
+            yield "its own route is empty, so it goes to the nearest frontier"
 
     def _terms(self, worth: float, share: float) -> str:
         match self.choice.rule:

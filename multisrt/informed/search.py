@@ -18,9 +18,9 @@ from itertools import pairwise
 import numpy as np
 
 from multisrt.geometry.numerics.kernel import FloatArray, IntArray
-from multisrt.informed.routes import Costs, improve, objective, route_times
 from multisrt.informed.team import Team
 from multisrt.informed.views import Bits, count, numbers_in
+from multisrt.planners.assignment.min_max_routes import Costs, improve, objective, route_times
 
 HOT, COLD = 0.02, 0.0005
 """Temperature at the beginning and at the end, as a share of the first objective."""
@@ -319,7 +319,7 @@ class Search:
 
 
 def _arrays(routes: Sequence[Sequence[int]], places: int) -> tuple[IntArray, IntArray]:
-    # Routes as `routes.improve` takes them: places are numbered in the order of the routes.
+    # Routes as `min_max_routes.improve` takes them: places are numbered in the order of the routes.
     arrays = np.full((len(routes), places + 1), -1, np.int64)
     sizes = np.ones(len(routes), np.int64)
     number = 0

@@ -12,8 +12,8 @@ import numpy as np
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.numerics.kernel import FloatArray, IntArray
 from multisrt.informed.roadmap import Roadmap, line_angle
-from multisrt.informed.routes import Costs
 from multisrt.informed.views import Bits, Cells, Sensor
+from multisrt.planners.assignment.min_max_routes import Costs
 from multisrt.planners.motion.kinematics import Differential, Holonomic
 
 SENSE_SPACING_M = 0.4
@@ -138,7 +138,7 @@ class Team:
         return self._seen_on[key]
 
     def costs(self, places: Sequence[int]) -> Costs:
-        """Return the costs of legs between some places and all starts, for `routes.improve`."""
+        """Return the costs of legs between some places and all starts, as in `min_max_routes`."""
         m, n = len(places), len(self.members)
         times = np.full((len(self._kinds), m + n, m + n), np.inf)
         angles = np.zeros_like(times)

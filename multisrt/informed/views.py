@@ -16,6 +16,7 @@ from shapely import Polygon
 
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.grids.polygon_fill import paint_polygon, runs_inside
+from multisrt.geometry.numerics import libm
 from multisrt.geometry.numerics.kernel import BoolArray, FloatArray, IntArray, kernel
 from multisrt.geometry.regions.edge_index import EdgeIndex
 from multisrt.geometry.regions.safe_region import local_safe_region
@@ -148,7 +149,7 @@ class Cells:
 
 
 def _tilted(points: FloatArray) -> FloatArray:
-    return np.ascontiguousarray(points @ _TILT)
+    return libm.product(points, _TILT)
 
 
 def count(bits: Bits) -> int:

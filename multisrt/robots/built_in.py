@@ -15,6 +15,7 @@ from multisrt.geometry.errors import InvalidInputError
 from multisrt.robots.frontier.options import (
     BiddingOptions,
     GainOptions,
+    RoutesOptions,
     RulesOptions,
     SelfBiddingOptions,
     UtilityOptions,
@@ -124,5 +125,10 @@ BUILT_IN = (
         _require_talk,
     ),
     _bids("gain", "Large unknown areas at short paths, on a short tour of the rest", GainOptions),
+    _bids(
+        "routes",
+        "Routes of the whole team over all frontiers, the longest short",
+        RoutesOptions,
+    ),
 )
 """All of them but `informed`, which sees the truth."""

@@ -17,6 +17,7 @@ from multisrt.robots.frontier.gain import choose_gain
 from multisrt.robots.frontier.nearness import drive_by_option
 from multisrt.robots.frontier.options import BiddingOptions
 from multisrt.robots.frontier.robot import Watch
+from multisrt.robots.frontier.routes import choose_routes
 from multisrt.robots.frontier.self_bidding import (
     choose_by_self_bidding,
     send_last_stop_signal,
@@ -55,5 +56,6 @@ EXPLORERS: Final[Mapping[str, Callable[[RobotSelf, Any], Explorer]]] = {
     "self-bidding": _bids(choose_by_self_bidding, send_stop_signals, send_last_stop_signal),
     "rules": rules_explorer,
     "gain": _bids(choose_gain),
+    "routes": _bids(choose_routes),
 }
 """Builds the explorer of one robot, for each strategy of `built_in`."""

@@ -13,6 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.random import Generator as RandomGenerator
 
+from multisrt.geometry.numerics import libm
 from multisrt.geometry.numerics.arrays import BoolArray, IntArray
 from multisrt.geometry.numerics.kernel import FloatArray, kernel
 from multisrt.geometry.regions.edge_index import EdgeGrid, EdgeIndex
@@ -207,7 +208,7 @@ def weakened_range(spec: RadioSpec, walls: IntArray) -> FloatArray:
     # 10 n log10(distance / range) + wall loss <= 0, with n the exponent of the path loss.
     loss_db = spec.wall_loss_db * walls.astype(np.float64)
     decades = -loss_db / (10.0 * spec.path_loss_exponent)
-    reach: FloatArray = spec.range_m * 10.0**decades
+    reach: FloatArray = spec.range_m * libm.power(10.0, decades)
     return reach
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.numerics import libm
 from multisrt.geometry.numerics.arrays import FloatArray
 from multisrt.planners.assignment.costs import check_robot, cost_table
 
@@ -241,9 +242,8 @@ class Auction:
         """
         rule = self._rule
         while True:
-            values: FloatArray = np.where(
-                self._is_open, self._left * (self._ways + rule.nearest_m) ** -rule.power, -1.0
-            )
+            shares = libm.power(self._ways + rule.nearest_m, -rule.power)
+            values: FloatArray = np.where(self._is_open, self._left * shares, -1.0)
             bounds = np.argwhere(self._is_bound & (values == values.max()))
             if not len(bounds):
                 return values

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.numerics import libm
 from multisrt.planners.assignment.costs import cost_table
 from multisrt.planners.assignment.gain import (
     Auction,
@@ -128,7 +129,7 @@ def gain_on_tours(
         return GainChoice(choice=None, rounds=())
 
     disc_m2 = math.pi * rule.range_m**2
-    factors = (disc_m2 / np.maximum(worth[own], MIN_AREA_M2)) ** (1.0 / rule.power)
+    factors = libm.power(disc_m2 / np.maximum(worth[own], MIN_AREA_M2), 1.0 / rule.power)
     scores = (table[robot, own] + rule.nearest_m) * factors
     order = np.argsort(scores, kind="stable")[:MAX_STOPS]
     own, scores = own[order], scores[order]

@@ -10,6 +10,7 @@ import shapely
 from shapely.geometry.base import BaseGeometry
 
 from multisrt.geometry.bodies.footprint import Footprint, place
+from multisrt.geometry.numerics import libm
 from multisrt.geometry.numerics.arrays import FloatArray
 from multisrt.planners.motion.trajectory import NO_TURN_RAD, Trajectory, Waypoint, leg_pose
 
@@ -137,7 +138,7 @@ def _turned_over(
     inner = np.vstack([first[~divided], feet, feet])
     outer = np.vstack([last[~divided], first[divided], last[divided]])
     angles = np.linspace(0.0, turn, chords + 1)
-    turns = np.array([[np.cos(angles), np.sin(angles)], [-np.sin(angles), np.cos(angles)]])
+    turns = np.array([[libm.cos(angles), libm.sin(angles)], [-libm.sin(angles), libm.cos(angles)]])
     there = np.einsum("mi,ijk->mkj", inner, turns)
     back = np.einsum("mi,ijk->mkj", outer, turns)[:, ::-1]
     areas = shapely.polygons(np.concatenate([there, back], axis=1) + centre)

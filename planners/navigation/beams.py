@@ -17,6 +17,7 @@ import numpy as np
 
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.numerics import libm
 from multisrt.geometry.numerics.arrays import FloatArray
 from multisrt.geometry.numerics.distances import inside
 from multisrt.geometry.numerics.kernel import kernel
@@ -132,7 +133,7 @@ def directions_of(ranges: FloatArray) -> FloatArray:
 @lru_cache(maxsize=32)
 def _directions(beams: int) -> FloatArray:
     angles = np.arange(beams) * (2.0 * math.pi / beams)
-    directions = np.array([np.cos(angles), np.sin(angles)])
+    directions = np.array([libm.cos(angles), libm.sin(angles)])
     directions.setflags(write=False)
     return directions
 

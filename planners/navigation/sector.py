@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.numerics import libm
 from multisrt.geometry.numerics.arrays import BoolArray, FloatArray
 
 SECTOR_RAD: Final = math.radians(15.0)
@@ -130,7 +131,7 @@ def wrapped(angles: FloatArray) -> FloatArray:
 def _in_sector(offsets: FloatArray, heading_rad: float, half_rad: float) -> BoolArray:
     """Whether bearings of offsets differ from a heading by at most `half_rad`; not for (0, 0)."""
     x, y = offsets[:, 0], offsets[:, 1]
-    bearings = np.arctan2(y, x) - heading_rad
+    bearings = libm.arctan2(y, x) - heading_rad
     within: BoolArray = (np.abs(wrapped(bearings)) <= half_rad + EDGE) & ((x != 0) | (y != 0))
     return within
 

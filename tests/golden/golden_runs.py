@@ -134,6 +134,10 @@ RUNS = {
     "gain bad radio, robot dies": _spec(
         ROOMS, "gain", *[HOLONOMIC] * 3, radio=BAD_RADIO, faults=(Death(robot=0, time_s=12.0),)
     ),
+    "routes team": _spec(OFFICE, "routes", *[ROBOT] * 3, starts="clustered"),
+    "routes bad radio, robot dies": _spec(
+        ROOMS, "routes", *[HOLONOMIC] * 3, radio=BAD_RADIO, faults=(Death(robot=0, time_s=12.0),)
+    ),
     "self-bidding team": _spec(
         OFFICE, "self-bidding", *[ROBOT] * 3, starts="clustered", radio=SHORT_RADIO
     ),

@@ -20,6 +20,7 @@ from multisrt.environments.formats.svg.lengths import matrix
 from multisrt.environments.formats.svg.shapes import fill_area, outline
 from multisrt.environments.formats.svg.tree import Clip, Document, Drawn
 from multisrt.geometry.errors import MapFormatError
+from multisrt.geometry.numerics import libm
 from multisrt.geometry.numerics.arrays import FloatArray
 
 MAX_CUT_POINTS: Final = 10_000_000
@@ -111,7 +112,7 @@ class Clipper:
     def _mask(self, clip: Clip, viewport: tuple[float, float]) -> _Mask:
         own = matrix(clip.element.attributes.get("transform", ""))
         areas: list[BaseGeometry] = []
-        for one in self._document.drawn(clip.element, clip.matrix @ own, viewport):
+        for one in self._document.drawn(clip.element, libm.product(clip.matrix, own), viewport):
             if one.element.name == "image":
                 continue
             lines = outline(one)

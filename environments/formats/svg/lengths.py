@@ -8,6 +8,7 @@ import numpy as np
 
 from multisrt.environments.cleaning import ZERO_M
 from multisrt.geometry.errors import shortened, shown
+from multisrt.geometry.numerics import libm
 from multisrt.geometry.numerics.arrays import FloatArray
 
 MAX_NUMBER: Final = 1e12
@@ -136,7 +137,7 @@ def matrix(text: str) -> FloatArray:
             raise SvgError(f"a transform has more than {MAX_FUNCTIONS} functions")
         if found is None:
             raise SvgError(f"{shown(text[at : at + 40])} is not a transform")
-        result = result @ _function(found.group(1), numbers(found.group(2)))
+        result = libm.product(result, _function(found.group(1), numbers(found.group(2))))
         at = found.end()
         if not np.abs(result).max() <= MAX_NUMBER:
             raise SvgError(f"the transform {shown(text)} is beyond {MAX_NUMBER:g}")
@@ -158,7 +159,7 @@ def _function(name: str, values: list[float]) -> FloatArray:
         case "rotate", [angle]:
             return _turned(angle)
         case "rotate", [angle, x, y]:
-            return _moved(x, y) @ _turned(angle) @ _moved(-x, -y)
+            return libm.product(libm.product(_moved(x, y), _turned(angle)), _moved(-x, -y))
         case "skewX", [angle]:
             return np.array([[1, math.tan(math.radians(angle)), 0], [0, 1, 0], [0, 0, 1]])
         case "skewY", [angle]:
@@ -205,4 +206,4 @@ def fitted(
         share = {"Min": 0.0, "Mid": 0.5, "Max": 1.0}
         dx = (width - sx * w) * share[words[0][1:4]]
         dy = (height - sy * h) * share[words[0][5:8]]
-    return _moved(dx, dy) @ np.diag([sx, sy, 1.0]) @ _moved(-x, -y)
+    return libm.product(libm.product(_moved(dx, dy), np.diag([sx, sy, 1.0])), _moved(-x, -y))

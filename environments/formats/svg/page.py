@@ -23,6 +23,7 @@ from multisrt.environments.formats.svg.lengths import (
 from multisrt.environments.formats.svg.tree import Document, view_box
 from multisrt.environments.formats.xml_text import Element
 from multisrt.geometry.errors import MapFormatError, shown
+from multisrt.geometry.numerics import libm
 from multisrt.geometry.numerics.arrays import FloatArray
 
 MIN_REAL_SIZE_M: Final = 1.2
@@ -113,7 +114,8 @@ def page_of(document: Document, resolution_m: float | None) -> Page:
         inner = fitted(box, w, h, aspect) if box else np.diag([_PX_M, _PX_M, 1.0])
         viewport = box[2:] if box else (w / _PX_M, h / _PX_M)
         frame = _frame(document, w, h)
-        return Page(root, _flipped(h) @ inner, viewport, frame, _PX_M, "at its own size")
+        placed = libm.product(_flipped(h), inner)
+        return Page(root, placed, viewport, frame, _PX_M, "at its own size")
     scale = require_resolution(path, resolution_m, unit="user unit", least_m=MIN_RESOLUTION_M)
     said = f"at {scale:g} m per user unit"
     if box is None and (px[0] is None or px[1] is None):
@@ -125,7 +127,8 @@ def page_of(document: Document, resolution_m: float | None) -> Page:
     w, h = box[2] * scale, box[3] * scale
     px_m = w / px[0] if px[0] else h / px[1] if px[1] else scale
     frame = _frame(document, w, h)
-    return Page(root, _flipped(h) @ fitted(box, w, h, "none"), box[2:], frame, px_m, said)
+    placed = libm.product(_flipped(h), fitted(box, w, h, "none"))
+    return Page(root, placed, box[2:], frame, px_m, said)
 
 
 def _own_corner(root: Element) -> tuple[float, float] | None:

@@ -17,6 +17,7 @@ from multisrt.environments.formats.svg.lengths import SvgError, length, numbers
 from multisrt.environments.formats.svg.path_data import Subpath, subpaths
 from multisrt.environments.formats.svg.tree import Drawn
 from multisrt.geometry.errors import shown
+from multisrt.geometry.numerics import libm
 from multisrt.geometry.numerics.arrays import FloatArray
 
 MIN_RADIUS_M: Final = 1e-6
@@ -70,7 +71,7 @@ def outline(drawn: Drawn) -> Outline:
     local = _local(drawn, FLATNESS_M / scale)
     metres = []
     for points, closed in local:
-        placed = flushed(points @ linear.T + drawn.matrix[:2, 2])
+        placed = flushed(libm.product(points, linear.T) + drawn.matrix[:2, 2])
         if not np.abs(placed).max() <= MAX_COORDINATE_M:
             raise SvgError(f"a point is further than {MAX_COORDINATE_M:g} m away; check the scale")
         metres.append(Subpath(placed, closed))
@@ -128,7 +129,7 @@ def stroke_area(drawn: Drawn, lines: Outline, px_m: float) -> BaseGeometry:
     if is_fixed:
         return area
     linear, shift = drawn.matrix[:2, :2], drawn.matrix[:2, 2]
-    placed = shapely.transform(area, lambda points: points @ linear.T + shift)
+    placed = shapely.transform(area, lambda points: libm.product(points, linear.T) + shift)
     # A transform that flattens leaves no area.
     return placed if placed.is_valid else shapely.buffer(placed, 0)
 

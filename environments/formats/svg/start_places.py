@@ -3,11 +3,13 @@
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from multisrt.environments.formats.svg.lengths import numbers
 from multisrt.environments.formats.svg.shapes import Outline
 from multisrt.environments.formats.svg.tree import Drawn
 from multisrt.environments.own_pictures import LINES_TO_STARTS, START_SYMBOLS, TO_START
+from multisrt.geometry.numerics import libm
 from multisrt.geometry.numerics.arrays import FloatArray
 
 Point = tuple[float, float]
@@ -15,9 +17,14 @@ Point = tuple[float, float]
 MAX_MISFIT: Final = 0.02
 """Maximum distance of a corner of a symbol from its place, in sizes of the symbol."""
 
-_SYMBOLS: Final = [
-    np.asarray(corners) @ np.array([1.0, 1.0j]) for corners in START_SYMBOLS.values()
-]
+
+def _numbers(points: FloatArray) -> NDArray[np.complex128]:
+    """Return points ``(n, 2)`` as complex numbers."""
+    found: NDArray[np.complex128] = points[:, 0] + 1.0j * points[:, 1]
+    return found
+
+
+_SYMBOLS: Final = [_numbers(np.asarray(corners)) for corners in START_SYMBOLS.values()]
 
 
 def start_places(drawn: Drawn, lines: Outline) -> list[Point]:
@@ -41,7 +48,9 @@ def start_places(drawn: Drawn, lines: Outline) -> list[Point]:
     if drawn.named == LINES_TO_STARTS:  # to symbols, which are starts themselves
         return []
     beside = numbers(drawn.element.attributes.get(TO_START, ""))
-    offset = drawn.matrix[:2, :2] @ beside if len(beside) == 2 else np.zeros(2)
+    if len(beside) != 2:
+        beside = [0.0, 0.0]
+    offset = libm.product(drawn.matrix[:2, :2], np.array([beside]).T)[:, 0]
     places = []
     for points, _ in lines.metres:
         x, y = _centre(points) + offset
@@ -51,13 +60,13 @@ def start_places(drawn: Drawn, lines: Outline) -> list[Point]:
 
 def _centre(points: FloatArray) -> FloatArray:
     """Return the centre of a line: that of a symbol, turned and scaled, or of its bounding box."""
-    corners = points @ np.array([1.0, 1.0j])
+    corners = _numbers(points)
     for symbol in _SYMBOLS:
         if len(corners) != len(symbol):
             continue
         # Similarity of the least squares, in complex numbers: turn by its angle, scale by its size.
         around, at = symbol - symbol.mean(), corners - corners.mean()
-        turn = np.vdot(around, at) / np.vdot(around, around)
+        turn = (around.conj() * at).sum() / (np.abs(around) ** 2).sum()
         if np.abs(at - turn * around).max() <= MAX_MISFIT * abs(turn):
             centre = corners.mean() - turn * symbol.mean()
             return np.array([centre.real, centre.imag])

@@ -20,6 +20,7 @@ from multisrt.environments.formats.svg.lengths import (
 from multisrt.environments.formats.svg.styles import INITIAL, StyleSheet, opacity
 from multisrt.environments.formats.xml_text import MAX_DEPTH, Element
 from multisrt.geometry.errors import MapFormatError, shortened, shown
+from multisrt.geometry.numerics import libm
 from multisrt.geometry.numerics.arrays import FloatArray
 
 SVG_NAMESPACE: Final = "http://www.w3.org/2000/svg"
@@ -325,7 +326,7 @@ def _layer(element: Element, around: str) -> str:
 
 
 def _product(outer: FloatArray, inner: FloatArray) -> FloatArray:
-    product: FloatArray = outer @ inner
+    product = libm.product(outer, inner)
     if not np.abs(product).max() <= MAX_NUMBER:
         raise SvgError(f"the transform is beyond {MAX_NUMBER:g}")
     return product

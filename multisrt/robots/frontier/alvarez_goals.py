@@ -27,6 +27,7 @@ from numpy.typing import NDArray
 
 from multisrt.geometry.grids.occupancy import UNKNOWN, Occupancy
 from multisrt.geometry.grids.sight import in_sight
+from multisrt.geometry.numerics import libm
 from multisrt.geometry.numerics.kernel import BoolArray, FloatArray, IntArray
 from multisrt.planners.assignment.cell_choice import GoalChoice, choose_cell
 from multisrt.planners.grid_search import DIAGONAL, a_star, reachable, ring_search
@@ -274,7 +275,7 @@ def search(
     to_goals = np.hypot(*(goals[:, None] - cells[None]).transpose(2, 0, 1))
     return cells, choose_cell(
         np.hypot(*offsets.T),
-        np.arctan2(offsets[:, 1], offsets[:, 0]) - heading,
+        libm.arctan2(offsets[:, 1], offsets[:, 0]) - heading,
         to_goals,
         robot.me.team,
         survey.diagonal_m,

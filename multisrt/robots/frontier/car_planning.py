@@ -17,6 +17,7 @@ from shapely.geometry.base import BaseGeometry
 
 from multisrt.geometry.bodies.clearance import disc_clearance, rings_of
 from multisrt.geometry.configuration import Configuration, wrap_angle
+from multisrt.geometry.numerics import libm
 from multisrt.geometry.numerics.distances import inside
 from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.planners.motion.body import PlanningBody
@@ -267,7 +268,7 @@ def spaced_points(path: FloatArray, limit_m: float) -> FloatArray:
         return np.array([[*path[0], 0.0, 0.0]])
     x, y = (np.interp(at, ends, path[:, k]) for k in range(2))
     leg = np.clip(np.searchsorted(ends, at) - 1, 0, len(steps) - 1)
-    heading = np.arctan2(steps[leg, 1], steps[leg, 0])
+    heading = libm.arctan2(steps[leg, 1], steps[leg, 0])
     return np.column_stack([x, y, heading, at])
 
 

@@ -13,17 +13,16 @@ and it does not leave a goal for a small advantage.
 
 from __future__ import annotations
 
-import math
-from types import EllipsisType
 from typing import Final, cast
 
 import numpy as np
 
-from multisrt.geometry.grids.lengths_between import lengths_between
 from multisrt.geometry.grids.unknown_area import unknown_areas
-from multisrt.geometry.numerics.arrays import BoolArray, FloatArray
+from multisrt.geometry.numerics import libm
+from multisrt.geometry.numerics.arrays import FloatArray
 from multisrt.planners.assignment.gain import GainChoice, LazyCosts, Values, gain
 from multisrt.planners.assignment.gain_tours import gain_on_tours
+from multisrt.robots.frontier.counted_ways import CountedWays, lengths_among
 from multisrt.robots.frontier.options import GainOptions
 from multisrt.robots.frontier.robot import FrontierRobot
 from multisrt.robots.frontier.utility import apart
@@ -33,9 +32,6 @@ from multisrt.robots.frontier.wavefront_rules import Choice, settle_on
 MAX_TARGETS: Final = 24
 """Number of frontiers among which tours are compared: those of the highest values to the robot."""
 
-SAME_GOAL_M: Final = 1.0
-"""A frontier this close to a goal is taken for that goal: frontiers move as they are seen."""
-
 
 def choose_gain(robot: FrontierRobot, because: str) -> Choice:
     """GAIN: the frontier of the highest value, after the robots that come before this one."""
@@ -43,7 +39,7 @@ def choose_gain(robot: FrontierRobot, because: str) -> Choice:
     costs = WavefrontCosts(robot, whole=True)
     if not np.isfinite(costs.costs[costs.row]).any():
         return (yield from settle_on(robot, costs.table(), None, "gain", because))
-    ways = _Ways(robot, costs)
+    ways = CountedWays(robot, costs)
     areas = areas_beyond(robot, costs.targets)
     chosen = _on_tours(robot, costs, ways, areas)
     if chosen.choice is None:
@@ -61,51 +57,8 @@ def choose_gain(robot: FrontierRobot, because: str) -> Choice:
     )
 
 
-class _Ways:
-    """Ways of robots to targets: path lengths with the first turn, goals that are kept nearer.
-
-    Parameters
-    ----------
-    robot : FrontierRobot
-        The robot that decides.
-    costs : WavefrontCosts
-        Path lengths; its own are known.
-    """
-
-    def __init__(self, robot: FrontierRobot, costs: WavefrontCosts) -> None:
-        options = cast(GainOptions, robot.options)
-        self._costs = costs
-        self._turns_m = options.turn_m_per_rad * first_turns(robot, costs.robots, costs.targets)
-        self._nearer_m = options.keep_m * present_goals(robot, costs.robots, costs.targets)
-
-    def whole(self) -> FloatArray:
-        """Return the ways of all robots to all targets, ``(n, m)`` metres."""
-        self._costs.compute_others()
-        return self._of(self._costs.costs)
-
-    def bounds(self) -> FloatArray:
-        """Return own ways and lower bounds of those of the others, ``(n, m)`` metres."""
-        lengths = self._costs.lower_bounds()
-        lengths[self._costs.row] = self._costs.costs[self._costs.row]
-        return self._of(lengths)
-
-    def way(self, row: int, target: int) -> float:
-        """Return the way of a robot to a target in metres; ``inf`` if there is no path."""
-        found = self._costs.nearest(row, np.array([target]))
-        if found is None:
-            return math.inf
-        return float(self._of(found[0], (row, target)))
-
-    def _of(
-        self, lengths: FloatArray | float, pair: tuple[int, int] | EllipsisType = ...
-    ) -> FloatArray:
-        """Return the ways for path lengths, of one robot to one target or of all to all."""
-        ways: FloatArray = np.maximum(0.0, lengths + self._turns_m[pair] - self._nearer_m[pair])
-        return ways
-
-
 def _on_tours(
-    robot: FrontierRobot, costs: WavefrontCosts, ways: _Ways, areas: FloatArray
+    robot: FrontierRobot, costs: WavefrontCosts, ways: CountedWays, areas: FloatArray
 ) -> GainChoice:
     """Choose by tours among the frontiers of the highest values; none if the others take them."""
     options = cast(GainOptions, robot.options)
@@ -115,7 +68,7 @@ def _on_tours(
     own = bounds[costs.row]
     reached = np.flatnonzero(np.isfinite(own))
     rule = Values(robot.me.range_m, options.power)
-    values = (areas + options.return_area_m2) * (own + rule.nearest_m) ** -rule.power
+    values = (areas + options.return_area_m2) * libm.power(own + rule.nearest_m, -rule.power)
     near = np.sort(reached[np.argsort(-values[reached], kind="stable")[:MAX_TARGETS]])
     targets = costs.targets[near]
     euclidean = apart(targets, targets)
@@ -134,74 +87,9 @@ def _on_tours(
     return GainChoice(choice=choice, rounds=rounds)
 
 
-def lengths_among(
-    robot: FrontierRobot, targets: FloatArray, costs: FloatArray, euclidean: FloatArray
-) -> FloatArray:
-    """Return approximate lengths of the paths between targets that a robot can reach.
-
-    Parameters
-    ----------
-    robot : FrontierRobot
-        The robot, on whose map the paths lead.
-    targets : (m, 2) array
-        The targets in metres.
-    costs : (m,) array
-        The robot's costs to them; finite, in metres.
-    euclidean : (m, m) array
-        Distances between them in metres: the least lengths.
-
-    Returns
-    -------
-    (m, m) array
-        Metres. Paths that lead far out of the box around the targets count as those by way of the
-        robot.
-    """
-    raster = robot.raster
-    indices = robot.indices_of(targets)
-    margin = math.ceil(robot.me.range_m / raster.cell_m)
-    low = np.maximum(indices.min(axis=0) - margin, 0)
-    high = indices.max(axis=0) + margin + 1
-    box = raster.passable[low[0] : high[0], low[1] : high[1]]
-    found = lengths_between(np.ascontiguousarray(box), indices - low) * raster.cell_m
-    lengths: FloatArray = np.maximum(np.minimum(found, costs[:, None] + costs), euclidean)
-    return lengths
-
-
-def present_goals(robot: FrontierRobot, robots: tuple[int, ...], targets: FloatArray) -> BoolArray:
-    """Return which target is the present goal of which robot, ``(n, m)``; at most one of each."""
-    reports = robot.team.mates.reports
-    own = None if robot.goal is None else robot.goal.place
-    are_goals = np.zeros((len(robots), len(targets)), np.bool_)
-    for row, number in enumerate(robots):
-        goal = own if number == robot.me.robot else reports[number].goal
-        if goal is None:
-            continue
-        gaps = np.hypot(*(targets - goal).T)
-        target = int(np.argmin(gaps))
-        are_goals[row, target] = gaps[target] < SAME_GOAL_M
-    return are_goals
-
-
 def areas_beyond(robot: FrontierRobot, targets: FloatArray) -> FloatArray:
     """Return the unknown area that would be seen from targets, ``(m,)`` square metres."""
     cell_m = robot.raster.cell_m
     cells = unknown_areas(robot.raster.cells, robot.indices_of(targets), robot.me.range_m / cell_m)
     areas: FloatArray = cells * cell_m**2
     return areas
-
-
-def first_turns(robot: FrontierRobot, robots: tuple[int, ...], targets: FloatArray) -> FloatArray:
-    """Return by how much robots turn towards targets, ``(n, m)`` radians from 0 to pi.
-
-    A robot that drives backwards to save turns turns by at most a right angle. The others are taken
-    to do as this one does.
-    """
-    reports = robot.team.mates.reports
-    x, y, heading = np.array(
-        [robot.at if n == robot.me.robot else reports[n].place for n in robots]
-    ).T[:, :, None]
-    turns = np.arctan2(targets[:, 1] - y, targets[:, 0] - x) - heading
-    smallest: FloatArray = np.abs((turns + math.pi) % (2.0 * math.pi) - math.pi)
-    if robot.options.saves_turns:
-        smallest = np.minimum(smallest, math.pi - smallest)
-    return smallest

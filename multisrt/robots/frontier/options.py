@@ -221,8 +221,32 @@ class UtilityOptions(BiddingOptions, frozen=True, kw_only=True, forbid_unknown_f
         self.require("overlap_ranges", 0.0 < self.overlap_ranges < math.inf, "positive")
 
 
-class GainOptions(BiddingOptions, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Parameters of `gain`: those of `BiddingOptions`, and of the rule.
+class WaysOptions(BiddingOptions, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Parameters of rules that count more than the length of a path: `gain` and `routes`.
+
+    Attributes
+    ----------
+    saves_turns : bool
+        As above.
+    turn_m_per_rad : float
+        Way in metres that a radian of the first turn counts as.
+    keep_m : float
+        By how many metres the present goal of a robot counts as nearer, so that it does not turn
+        to another one for a small advantage.
+    """
+
+    saves_turns: bool = True
+    turn_m_per_rad: float = 0.3
+    keep_m: float = 1.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self.require("turn_m_per_rad", 0.0 <= self.turn_m_per_rad < math.inf, "0 or more")
+        self.require("keep_m", 0.0 <= self.keep_m < math.inf, "0 or more")
+
+
+class GainOptions(WaysOptions, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Parameters of `gain`: those of `WaysOptions`, and of the rule.
 
     Attributes
     ----------
@@ -231,31 +255,37 @@ class GainOptions(BiddingOptions, frozen=True, kw_only=True, forbid_unknown_fiel
     return_area_m2 : float
         Area in square metres that stands for the way back to a frontier that is left behind; it is
         added to the area beyond each.
-    turn_m_per_rad : float
-        Way in metres that a radian of the first turn counts as.
-    keep_m : float
-        By how many metres the present goal of a robot counts as nearer, so that it does not turn
-        to another one for a small advantage.
     tour_weight : float
         Weight of the length of the tour over the frontiers that are left, against the way to the
         first of them. With 0 robots go to the frontier of the highest value that others leave
         them, as before tours were compared.
-    saves_turns : bool
-        As above.
     """
 
-    saves_turns: bool = True
     power: float = 4.0
     return_area_m2: float = 5.0
-    turn_m_per_rad: float = 0.3
-    keep_m: float = 1.0
     tour_weight: float = 2.0
 
     def __post_init__(self) -> None:
         super().__post_init__()
         self.require("power", 0.0 < self.power < math.inf, "positive")
-        for name in ("return_area_m2", "turn_m_per_rad", "keep_m", "tour_weight"):
+        for name in ("return_area_m2", "tour_weight"):
             self.require(name, 0.0 <= getattr(self, name) < math.inf, "0 or more")
+
+
+class RoutesOptions(WaysOptions, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Parameters of `routes`: those of `WaysOptions`, and of the rule.
+
+    Attributes
+    ----------
+    search_m_per_m2 : float
+        Way in metres that a robot needs to explore a square metre beyond a frontier.
+    """
+
+    search_m_per_m2: float = 0.15
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self.require("search_m_per_m2", 0.0 <= self.search_m_per_m2 < math.inf, "0 or more")
 
 
 class SelfBiddingOptions(BiddingOptions, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -1,6 +1,6 @@
 """Going after a mate that is out of touch, so that the two share what is left to explore.
 
-A robot compares two plans of routes over the frontiers that it knows (`shared_routes`). Out of
+A robot compares two plans of routes over the frontiers that it knows (`team_routes`). Out of
 touch, the mate goes over those alone that it knows; robots in touch go over all. If the two met,
 it could go over all of them, too: their routes would begin at the place and time of the meeting.
 Only if the longest route of all gets strictly shorter is the mate pursued, to where it most
@@ -22,7 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from multisrt.geometry.numerics.arrays import BoolArray, FloatArray
-from multisrt.planners.assignment.shared_routes import SharedRoutes
+from multisrt.planners.assignment.team_routes import TeamRoutes
 from multisrt.planners.pursuit import Meeting, best_meeting, presence
 from multisrt.robots.explorer import RobotSelf
 from multisrt.robots.frontier.course import Course
@@ -34,7 +34,7 @@ from multisrt.robots.frontier.homing import FrontierHoming
 from multisrt.robots.frontier.messages import RobotReport
 from multisrt.robots.frontier.options import FrontierOptions
 from multisrt.robots.frontier.path_finder import PathFinder
-from multisrt.robots.frontier.pursuit_routes import UNIT_M, Routes, RouteTable, cells_of
+from multisrt.robots.frontier.pursuit_routes import Routes, RouteTable, cells_of
 from multisrt.robots.frontier.scan_map import ScanMap
 from multisrt.robots.frontier.team import Team
 from multisrt.robots.homing.their_map import TheirMap
@@ -43,6 +43,9 @@ from multisrt.robots.listening import counts_beyond, have_of
 
 MAX_TARGETS = 12
 """Number of frontiers, the nearest, over which routes are planned."""
+
+LEAST_GAIN_M = 0.01
+"""The longest route counts as shorter only by more than this, in metres."""
 
 MAX_PURSUITS = 3
 """Number of pursuits of a mate that learned nothing by them, after which it is not pursued."""
@@ -192,14 +195,16 @@ class Pursuit:
             return None
         table = RouteTable(self._routes, targets, reports, known, self._course)
         apart = table.apart()
-        best: tuple[tuple[int, int], Quarry] | None = None
+        best: tuple[tuple[int, float], Quarry] | None = None
         for report in absent:
             found = self._meeting(report, table, apart)
             if found is None:
                 continue
             place, met_s, passed = found
-            cost = table.together(report.robot, place, self._units_until(met_s), passed).cost
-            if self._is_gain(cost, apart.cost) and (best is None or cost < best[0]):
+            before_m = (met_s - self._course.time_s) * self._speed_m_s
+            together = table.together(report.robot, place, before_m, passed)
+            cost = len(together.left_out), together.longest_m
+            if self._is_gain(together, apart) and (best is None or cost < best[0]):
                 count = int((~known[report.robot]).sum())
                 best = (
                     cost,
@@ -210,7 +215,7 @@ class Pursuit:
                         carried=self._map.entries.counts(),
                         why=f"robot {report.robot}, which does not know of {count} of "
                         f"{len(targets)} frontiers; the longest route becomes "
-                        f"{cost[1] * UNIT_M:.0f} m instead of {apart.longest * UNIT_M:.0f} m",
+                        f"{together.longest_m:.0f} m instead of {apart.longest_m:.0f} m",
                     ),
                 )
         if best is None:
@@ -220,12 +225,12 @@ class Pursuit:
         self._tries[tried] = self._tries.get(tried, 0) + 1
         return quarry
 
-    def _is_gain(self, together: tuple[int, int], apart: tuple[int, int]) -> bool:
+    def _is_gain(self, together: TeamRoutes, apart: TeamRoutes) -> bool:
         """Whether the routes after a meeting are better: fewer targets left out, or shorter."""
-        (left_out, longest), (others, most) = together, apart
-        if left_out != others:
-            return left_out < others
-        return longest < (1.0 - self._options.pursue_gain) * most
+        if len(together.left_out) != len(apart.left_out):
+            return len(together.left_out) < len(apart.left_out)
+        gain = max(LEAST_GAIN_M, self._options.pursue_gain * apart.longest_m)
+        return together.longest_m < apart.longest_m - gain
 
     def _targets(self) -> FloatArray:
         """Return the nearest frontiers that the robot can reach, ``(m, 2)`` metres."""
@@ -252,7 +257,7 @@ class Pursuit:
     # Where ----------------------------------------------------------------------------------
 
     def _meeting(
-        self, report: RobotReport, table: RouteTable, apart: SharedRoutes
+        self, report: RobotReport, table: RouteTable, apart: TeamRoutes
     ) -> tuple[Place, float, tuple[int, ...]] | None:
         """Return where and when to meet a mate, and the targets that it passes before."""
         options, now_s = self._options, self._course.time_s
@@ -288,10 +293,6 @@ class Pursuit:
         since_now_s = self._course.time_s - since_s
         arrivals[usable] = (since_now_s + way_m / self._speed_m_s) / self._options.pursue_step_s
         return arrivals
-
-    def _units_until(self, time_s: float) -> int:
-        """Return how far the robot drives until a time, in whole units."""
-        return round((time_s - self._course.time_s) * self._speed_m_s / UNIT_M)
 
     @property
     def _speed_m_s(self) -> float:

@@ -9,9 +9,9 @@ import numpy as np
 
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.grids.grid_path import shortest_path
-from multisrt.geometry.numerics.arrays import BoolArray, FloatArray, IntArray
+from multisrt.geometry.numerics.arrays import BoolArray, FloatArray
 from multisrt.geometry.numerics.distances import length_of
-from multisrt.planners.assignment.shared_routes import UNREACHABLE, SharedRoutes, shared_routes
+from multisrt.planners.assignment.team_routes import TeamRoutes, team_routes
 from multisrt.planners.navigation.path_following import ahead
 from multisrt.robots.explorer import RobotSelf
 from multisrt.robots.frontier.course import Course
@@ -20,9 +20,6 @@ from multisrt.robots.frontier.goal import Place
 from multisrt.robots.frontier.messages import RobotReport
 from multisrt.robots.frontier.path_finder import PathFinder
 from multisrt.robots.frontier.scan_map import ScanMap
-
-UNIT_M = 0.01
-"""Lengths of routes are compared in whole units of this."""
 
 
 class Routes:
@@ -48,16 +45,14 @@ class Routes:
         self._map = map
         self._paths = paths
 
-    def costs(self, places: Sequence[Place], targets: FloatArray) -> IntArray:
-        """Return the lengths of paths from places to targets, ``(k, m)`` whole units."""
-        found = np.full((len(places), len(targets)), UNREACHABLE, np.int64)
+    def costs(self, places: Sequence[Place], targets: FloatArray) -> FloatArray:
+        """Return the lengths of paths from places to targets, ``(k, m)`` metres."""
+        found = np.full((len(places), len(targets)), np.inf)
         indices = indices_of(self._map.raster, targets)
         for row, place in enumerate(places):
             field = self._paths.field(*place)
             if field is not None:
-                way_m = field.distance(indices)
-                reached = np.isfinite(way_m)
-                found[row, reached] = np.round(way_m[reached] / UNIT_M).astype(np.int64)
+                found[row] = field.distance(indices)
         return found
 
     def path_between(self, here: Place, there: Place) -> FloatArray | None:
@@ -100,34 +95,36 @@ class RouteTable:
         # A robot ends its way to its goal before it takes another.
         ends = [r.place[:2] if r.goal is None else r.goal for r in reports]
         self._starts = routes.costs([course.at[:2], *ends], targets)
-        self._between = routes.costs([(x, y) for x, y in targets.tolist()], targets)
-        rests = [0, *(round(report.remaining_m / UNIT_M) for report in reports)]
-        self._before = np.array(rests, np.int64)
+        between = routes.costs([(x, y) for x, y in targets.tolist()], targets)
+        # Marching the same path from either end gives lengths that differ a little.
+        self._between = np.minimum(between, between.T)
+        self._before = np.array([0.0, *(report.remaining_m for report in reports)])
         self._known = np.array([np.ones(len(targets), np.bool_), *known.values()])
 
     def row_of(self, robot: int) -> int:
         """Return the row of a robot."""
         return self._robots.index(robot)
 
-    def apart(self) -> SharedRoutes:
+    def apart(self) -> TeamRoutes:
         """Return the routes if no mate is pursued."""
-        return shared_routes(self._starts, self._between, allowed=self._known, before=self._before)
+        return team_routes(
+            np.where(self._known, self._starts, np.inf), self._between, head_starts=self._before
+        )
 
     def together(
-        self, mate: int, place: Place, before_units: int, passed: tuple[int, ...]
-    ) -> SharedRoutes:
+        self, mate: int, place: Place, before_m: float, passed: tuple[int, ...]
+    ) -> TeamRoutes:
         """Return the routes if a mate is met, without the targets that it has passed then."""
         starts, before, known = self._starts.copy(), self._before.copy(), self._known.copy()
         rows = [0, self.row_of(mate)]
         starts[rows] = self._routes.costs([place], self._targets)[0]
-        before[rows] = before_units
+        before[rows] = before_m
         known[rows] = True
         left = np.setdiff1d(np.arange(len(self._targets)), passed)
-        return shared_routes(
-            starts[:, left],
+        return team_routes(
+            np.where(known, starts, np.inf)[:, left],
             self._between[np.ix_(left, left)],
-            allowed=known[:, left],
-            before=before,
+            head_starts=before,
         )
 
     def route(

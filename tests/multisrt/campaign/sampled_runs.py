@@ -39,6 +39,7 @@ STRATEGIES = (
     "self-bidding",
     "rules",
     "gain",
+    "routes",
 )
 
 WORLDS = (

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from multisrt.informed.routes import Costs, improve, objective, route_times
+from multisrt.planners.assignment.min_max_routes import Costs, improve, objective, route_times
 
 
 def costs_of(places, starts, headings, *, turn_s, home):

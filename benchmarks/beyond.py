@@ -6,7 +6,8 @@
 of the suites and, if their folder is given, five maps of other projects. A few repetitions of all
 strategies show which of the papers' is the best; with ``--strategies`` only this one and that of
 this project are repeated more often, and with ``--first-seed`` repetitions go on where those of
-another machine ended, each time in a store of its own.
+another machine ended, each time in a store of its own. ``--worlds`` divides the worlds among
+several stores.
 """
 
 from __future__ import annotations
@@ -37,7 +38,7 @@ from multisrt.statistics.intervals import Interval
 from multisrt.statistics.rank_tests import RankTest, corrected, paired
 from multisrt.statistics.ratios import ratio_of
 
-OURS: Final = ("gain",)
+OURS: Final = ("gain", "routes")
 """Strategies of this project."""
 
 PAPERS: Final = ("closest", "greedy", "minpos", "utility", "self-bidding", "rules")
@@ -98,6 +99,7 @@ def experiment(
     reference: bool,
     strategies: Sequence[str] = (*OURS, *PAPERS),
     first_seed: int = 0,
+    only: Sequence[str] = (),
 ) -> ExperimentSpec:
     """Return the experiment.
 
@@ -113,12 +115,24 @@ def experiment(
         Names of strategies.
     first_seed : int
         Seed of the first repetition; the others follow it.
+    only : sequence of str
+        Names of worlds, to which the experiment is restricted.
+
+    Raises
+    ------
+    SystemExit
+        If there is no world of one of these names.
     """
     worlds = [
         EnvironmentChoice(name=f"{suite}/{number:02d}") for suite in SUITES for number in NUMBERS
     ]
     if maps is not None:
         worlds += [read_map(maps / name, name).choice for name in MAPS]
+    if only:
+        unknown = set(only) - {world.label or world.name for world in worlds}
+        if unknown:
+            raise SystemExit(f"no world is named {', '.join(sorted(unknown))}")
+        worlds = [world for world in worlds if (world.label or world.name) in only]
     return ExperimentSpec(
         name="Beyond the papers",
         about="Is a strategy of this project faster than the best of the papers'?",
@@ -402,6 +416,7 @@ def main() -> None:
     made.add_argument(
         "--strategies", default=",".join((*OURS, *PAPERS)), help="names, comma between"
     )
+    made.add_argument("--worlds", help="names, comma between; by default all of them")
     made.add_argument("--informed", action="store_true", help="compare with the informed plan")
     made.add_argument("--workers", type=int)
     unite = commands.add_parser("unite", help="add runs to a table")
@@ -417,6 +432,7 @@ def main() -> None:
             reference=given.informed,
             strategies=given.strategies.split(","),
             first_seed=given.first_seed,
+            only=given.worlds.split(",") if given.worlds else (),
         )
         ms.compare(spec, store=given.store, workers=given.workers)
     elif given.command == "unite":

@@ -2,9 +2,10 @@
 
 Those of numpy are chosen when it is imported: on a processor with AVX-512 they are other ones, of
 which some results differ in the last bit, and with them whole runs. Those here call the C library
-number by number, as the module `math` and kernels do. Products of matrices are those of BLAS, which
-has other code for each kind of processor, too. Sums, products and quotients of numbers, square
-roots and `numpy.hypot` are the same everywhere.
+number by number, as the module `math` and kernels do. Its results are the same on all processors
+with FMA (since 2013). Products of matrices are not those of BLAS, which has other code for each
+kind of processor, too. Sums, products and quotients of numbers, square roots and `numpy.hypot` are
+the same everywhere.
 """
 
 from __future__ import annotations

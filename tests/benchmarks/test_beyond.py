@@ -120,6 +120,13 @@ def test_repetitions_go_on_from_a_seed():
     assert {run.spec.seed for run in runs_of(spec)} == {5, 6}
 
 
+def test_worlds_are_divided_among_stores():
+    spec = experiment(None, repetitions=1, reference=False, only=("mazes-30/03", "indoor-30/08"))
+    assert {run.condition.environment for run in runs_of(spec)} == {"mazes-30/03", "indoor-30/08"}
+    with pytest.raises(SystemExit, match="no world is named mazes-30/04"):
+        experiment(None, repetitions=1, reference=False, only=("mazes-30/04",))
+
+
 def test_stores_of_two_versions_of_the_program_are_refused():
     runs = made(TIMES, repetitions=2)
     with pytest.raises(SystemExit, match="make one anew"):

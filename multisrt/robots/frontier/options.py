@@ -279,8 +279,11 @@ class RoutesOptions(WaysOptions, frozen=True, kw_only=True, forbid_unknown_field
     ----------
     search_m_per_m2 : float
         Way in metres that a robot needs to explore a square metre beyond a frontier.
+    keep_m : float
+        As above.
     """
 
+    keep_m: float = 2.0
     search_m_per_m2: float = 0.15
 
     def __post_init__(self) -> None:

@@ -73,6 +73,9 @@ LEVEL: Final = 0.05
 
 CELL: Final = ["environment", "robots", "radio"]
 
+STARTED: Final = ["environment", "robots", "seed"]
+"""What the informed plan depends on."""
+
 COLUMNS_KEPT: Final = (
     *CELL,
     "strategy",
@@ -216,10 +219,9 @@ def of_all_strategies(runs: pd.DataFrame) -> pd.DataFrame:
 
 
 def united(tables: Sequence[pd.DataFrame]) -> pd.DataFrame:
-    """Return the runs of several tables, each once.
+    """Return the runs of several tables, each once: a crashed one only if no other is whole.
 
-    A run that one table compares with the informed plan and another does not is the one that is
-    compared.
+    All runs of a team from the same starts are compared with the informed plan if one of them is.
 
     Raises
     ------
@@ -230,13 +232,19 @@ def united(tables: Sequence[pd.DataFrame]) -> pd.DataFrame:
     key = [*CELL, "strategy", "seed"]
     if (runs.groupby(key)["digest"].nunique() > 1).any():
         raise SystemExit("the files have different recordings of the same runs: make one anew")
-    return runs.sort_values([*key, "over_informed"]).drop_duplicates(key, ignore_index=True)
+    runs = runs.assign(is_lost=runs["digest"].isna())
+    runs = runs.sort_values([*key, "is_lost", "over_informed"]).drop(columns="is_lost")
+    runs = runs.drop_duplicates(key, ignore_index=True)
+    informed_s = runs[TIME] / runs["over_informed"]
+    informed_s = informed_s.groupby([runs[name] for name in STARTED]).transform("median")
+    return runs.fillna({"over_informed": runs[TIME] / informed_s})
 
 
 def read(file: Path) -> pd.DataFrame:
     """Return the runs of a table, or of the store of an experiment."""
     runs = pd.read_csv(file) if file.suffix == ".csv" else load_results(file)
-    return runs[list(COLUMNS_KEPT)]
+    # The digest of a run that crashed is empty, and missing where a table was written.
+    return runs[list(COLUMNS_KEPT)].replace({"digest": {"": np.nan}})
 
 
 def best_of(runs: pd.DataFrame, names: Sequence[str], quantity: str) -> str:

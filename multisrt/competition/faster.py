@@ -12,6 +12,7 @@ and maps that are merged in place change afterwards; it runs in the simulator as
 from __future__ import annotations
 
 import importlib
+import math
 from typing import Any, Final
 
 import numpy as np
@@ -136,7 +137,7 @@ def _plan(
     policy, before = robot.user_policy, robot.locked_frontier_center
     observation = engine._build_observation(robot, base, links, options)
     policy.should_relay(observation, options, world.t, options.max_steps)
-    if before is None or np.linalg.norm(before - pose) < NEAR_GOAL:
+    if before is None or math.dist(before, pose) < NEAR_GOAL:
         goal = policy.decide(observation, options)
         way = None if goal is None else _way_nearby(known, pose, goal)
         if way is not None:

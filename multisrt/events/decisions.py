@@ -132,7 +132,7 @@ class GoalChosen(Event, frozen=True, kw_only=True, tag="goal_chosen"):
         path length as a share of the longest one. `gain`: with the area that was left to the
         target, in square metres, and its value in place of these. `routes`: the stops of all
         routes, those of each robot in order, with the unknown area in sight of the target, and the
-        length of the route up to there in metres.
+        length of the route up to there in metres, as the rule counts it.
     bids : tuple of rows
         `self-bidding`: the matrix of bids that was matched; None for infinite ones.
     phi_m : tuple of float

@@ -1,4 +1,4 @@
-"""Routes of a whole team over all targets, of which the longest is short."""
+"""Routes of a whole team over all targets, planned so that the longest is short."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ from multisrt.planners.assignment.min_max_routes import (
     route_times,
 )
 
-MAX_STARTS: Final = 12
-"""Number of searches, each from other first routes; the best one counts.
+MAX_RESTARTS: Final = 12
+"""Number of local searches, each from other first routes; the best one counts.
 
-In 60 random situations with 5 or 6 targets for 2 or 3 robots, one search found routes that were
-longer than the shortest by 3.6 % on average, and by up to half.
+In 300 random situations with 5 or 6 targets for 2 robots, the routes cost 0.3 % more than the best
+ones on average, and at most 21 %; with a single local search 3.6 % and 48 %, in 60 situations.
 """
 
 MIN_GAIN_M: Final = 1e-6
@@ -42,9 +42,10 @@ class TeamRoutes:
     routes : tuple of tuple of int
         For each robot the targets that it visits, in order.
     left_out : tuple of int
-        Targets that no robot can reach.
+        Targets that are on no route: no robot can reach them.
     lengths_m : tuple of float
-        The length of each route in metres, with head starts and searches; 0 of an empty one.
+        The length of each route in metres, with its initial length and the service lengths of its
+        stops; 0 of an empty one.
     """
 
     routes: tuple[tuple[int, ...], ...]
@@ -56,16 +57,21 @@ class TeamRoutes:
         """Length of the longest route in metres."""
         return max(self.lengths_m)
 
+    @property
+    def cost_m(self) -> float:
+        """What is minimised: the longest route and a tenth of the mean of all, in metres."""
+        return float(objective(np.array(self.lengths_m)))
+
 
 def team_routes(
     costs: ArrayLike,
     lengths: ArrayLike,
     *,
     goals: Sequence[int | None] | None = None,
-    searches: ArrayLike | None = None,
-    head_starts: ArrayLike | None = None,
+    service_lengths: ArrayLike | None = None,
+    initial_lengths: ArrayLike | None = None,
 ) -> TeamRoutes:
-    """Return routes of all robots over all targets, of which the longest is short.
+    """Return routes of all robots over all targets, planned so that the longest is short.
 
     Parameters
     ----------
@@ -77,11 +83,11 @@ def team_routes(
     goals : sequence of (int or None), optional
         The present goal of each robot, with which its first route begins. Of robots with the same
         goal the first one keeps it.
-    searches : (m,) array, optional
-        Length that a robot needs at each target to explore what is beyond it, in metres. It counts
-        by half before and after a target, so not wholly at the end of a route.
-    head_starts : (n,) array, optional
-        What each robot drives before its route begins, in metres.
+    service_lengths : (m,) array, optional
+        Length that a robot drives at each target to explore what is beyond it, in metres. Half of
+        it counts before and half after a target, so only half at the end of a route.
+    initial_lengths : (n,) array, optional
+        Length that each robot drives before its route begins, in metres.
 
     Returns
     -------
@@ -120,11 +126,11 @@ def team_routes(
     if robots == 0:
         raise InvalidInputError("costs has no rows; give one for each robot")
     between = _table(lengths, "lengths", (targets, targets))
-    search = _table(searches, "searches", (targets,))
-    before = _table(head_starts, "head_starts", (robots,))
+    service = _table(service_lengths, "service_lengths", (targets,))
+    before = _table(initial_lengths, "initial_lengths", (robots,))
     first = _checked_goals(goals, robots, targets)
 
-    legs = _legs(ways + before[:, None], between, search)
+    legs = _legs(ways + before[:, None], between, service)
     nearest = ways.min(axis=0, initial=math.inf)
     order = np.argsort(-nearest, kind="stable")
     rows, sizes = _best(robots, targets, first, order[np.isfinite(nearest[order])], legs)
@@ -162,13 +168,13 @@ def _checked_goals(goals: Sequence[int | None] | None, robots: int, targets: int
     return np.array([-1 if goal is None else goal for goal in goals], np.int64)
 
 
-def _legs(ways: FloatArray, between: FloatArray, searches: FloatArray) -> Costs:
+def _legs(ways: FloatArray, between: FloatArray, service: FloatArray) -> Costs:
     """Return the costs of the legs as `min_max_routes` takes them, metres in place of seconds.
 
     Each robot is of a kind of its own, to which there are no legs to targets without a way.
     """
     robots, targets = ways.shape
-    half = searches / 2.0
+    half = service / 2.0
     legs = np.full((robots, targets + robots, targets + robots), np.inf)
     legs[:, :targets, :targets] = between + half + half[:, None]
     for robot, own in enumerate(ways):
@@ -189,10 +195,11 @@ def _legs(ways: FloatArray, between: FloatArray, searches: FloatArray) -> Costs:
 def _best(
     robots: int, targets: int, first: IntArray, order: IntArray, costs: Costs
 ) -> tuple[IntArray, IntArray]:
-    # Of several searches the best: each begins with another target, the others in the order given.
+    # The best of several local searches: the one that visits the most targets, of several that with
+    # the lowest cost. Each begins with another target, the others in the order given.
     count = len(order)
-    starts = min(MAX_STARTS, max(1, count))
-    best, found, found_sizes = np.inf, _empty(robots, targets), np.ones(robots, np.int64)
+    starts = min(MAX_RESTARTS, max(1, count))
+    best, found, found_sizes = np.inf, _empty(robots, targets), np.zeros(robots, np.int64)
     for start in range(starts):
         begin = start * count // starts
         routes, sizes = _empty(robots, targets), np.ones(robots, np.int64)
@@ -205,7 +212,8 @@ def _best(
         )
         routes, sizes = improve(routes, sizes, costs)
         value = objective(route_times(routes, sizes, costs))
-        if value < best - MIN_GAIN_M:
+        more = sizes.sum() - found_sizes.sum()
+        if more > 0 or (more == 0 and value < best - MIN_GAIN_M):
             best, found, found_sizes = value, routes, sizes
     return found, found_sizes
 

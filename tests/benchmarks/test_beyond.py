@@ -115,6 +115,28 @@ def test_a_table_of_runs_is_read_as_it_was_written(tmp_path):
     assert page(united([found, runs])) == page(found)
 
 
+def test_a_plan_counts_for_all_runs_from_the_same_starts():
+    runs = made(TIMES, repetitions=2).assign(digest="a")
+    is_known = (runs["strategy"] == "gain") & (runs["radio"] == FULL)
+    informed_s = runs["time_to_99_s"].where(is_known).to_numpy() / 1.25
+    runs["over_informed"] = runs["time_to_99_s"] / informed_s
+    found = united([runs])
+    assert not found["over_informed"].isna().any()
+    of_gain = found[(found["strategy"] == "gain") & (found["radio"] == FULL)]
+    assert of_gain["over_informed"].to_numpy() == pytest.approx(1.25)
+    cell = ["environment", "robots", "seed"]
+    plans = (found["time_to_99_s"] / found["over_informed"]).groupby([found[k] for k in cell])
+    assert plans.min().to_numpy() == pytest.approx(plans.max().to_numpy())
+
+
+def test_a_crashed_run_gives_way_to_a_whole_one():
+    whole = made(TIMES, repetitions=1).assign(digest="a")
+    crashed = whole.assign(digest=np.nan, status="crashed")
+    for tables in ([crashed, whole], [whole, crashed]):
+        assert set(united(tables)["status"]) == {"complete"}
+    assert set(united([crashed])["status"]) == {"crashed"}
+
+
 def test_repetitions_go_on_from_a_seed():
     spec = experiment(None, repetitions=2, reference=False, strategies=("gain",), first_seed=5)
     assert {run.spec.seed for run in runs_of(spec)} == {5, 6}

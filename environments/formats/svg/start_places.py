@@ -1,9 +1,9 @@
 """Places of the starts that a drawing marks."""
 
+import math
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from multisrt.environments.formats.svg.lengths import numbers
 from multisrt.environments.formats.svg.shapes import Outline
@@ -18,13 +18,7 @@ MAX_MISFIT: Final = 0.02
 """Maximum distance of a corner of a symbol from its place, in sizes of the symbol."""
 
 
-def _numbers(points: FloatArray) -> NDArray[np.complex128]:
-    """Return points ``(n, 2)`` as complex numbers."""
-    found: NDArray[np.complex128] = points[:, 0] + 1.0j * points[:, 1]
-    return found
-
-
-_SYMBOLS: Final = [_numbers(np.asarray(corners)) for corners in START_SYMBOLS.values()]
+_SYMBOLS: Final = [np.asarray(corners, np.float64) for corners in START_SYMBOLS.values()]
 
 
 def start_places(drawn: Drawn, lines: Outline) -> list[Point]:
@@ -60,15 +54,20 @@ def start_places(drawn: Drawn, lines: Outline) -> list[Point]:
 
 def _centre(points: FloatArray) -> FloatArray:
     """Return the centre of a line: that of a symbol, turned and scaled, or of its bounding box."""
-    corners = _numbers(points)
     for symbol in _SYMBOLS:
-        if len(corners) != len(symbol):
+        if len(points) != len(symbol):
             continue
-        # Similarity of the least squares, in complex numbers: turn by its angle, scale by its size.
-        around, at = symbol - symbol.mean(), corners - corners.mean()
-        turn = (around.conj() * at).sum() / (np.abs(around) ** 2).sum()
-        if np.abs(at - turn * around).max() <= MAX_MISFIT * abs(turn):
-            centre = corners.mean() - turn * symbol.mean()
-            return np.array([centre.real, centre.imag])
+        # Similarity of the least squares: turns by its angle, scales by its size.
+        around, at = symbol - symbol.mean(axis=0), points - points.mean(axis=0)
+        square = (around * around).sum()
+        along = (around * at).sum() / square
+        across = (around[:, 0] * at[:, 1] - around[:, 1] * at[:, 0]).sum() / square
+        turn = np.array([[along, across], [-across, along]])
+        misfits = np.hypot(*(at - libm.product(around, turn)).T)
+        if misfits.max() <= MAX_MISFIT * math.hypot(along, across):
+            centre: FloatArray = (
+                points.mean(axis=0) - libm.product(symbol.mean(axis=0)[None], turn)[0]
+            )
+            return centre
     middle: FloatArray = (points.min(axis=0) + points.max(axis=0)) / 2
     return middle

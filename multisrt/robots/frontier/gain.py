@@ -22,8 +22,8 @@ from multisrt.geometry.numerics import libm
 from multisrt.geometry.numerics.arrays import FloatArray
 from multisrt.planners.assignment.gain import GainChoice, LazyCosts, Values, gain
 from multisrt.planners.assignment.gain_tours import gain_on_tours
-from multisrt.robots.frontier.counted_ways import CountedWays, lengths_among
 from multisrt.robots.frontier.options import GainOptions
+from multisrt.robots.frontier.path_costs import PathCosts, lengths_among
 from multisrt.robots.frontier.robot import FrontierRobot
 from multisrt.robots.frontier.utility import apart
 from multisrt.robots.frontier.wavefront_costs import WavefrontCosts
@@ -39,7 +39,7 @@ def choose_gain(robot: FrontierRobot, because: str) -> Choice:
     costs = WavefrontCosts(robot, whole=True)
     if not np.isfinite(costs.costs[costs.row]).any():
         return (yield from settle_on(robot, costs.table(), None, "gain", because))
-    ways = CountedWays(robot, costs)
+    ways = PathCosts(robot, costs)
     areas = areas_beyond(robot, costs.targets)
     chosen = _on_tours(robot, costs, ways, areas)
     if chosen.choice is None:
@@ -58,7 +58,7 @@ def choose_gain(robot: FrontierRobot, because: str) -> Choice:
 
 
 def _on_tours(
-    robot: FrontierRobot, costs: WavefrontCosts, ways: CountedWays, areas: FloatArray
+    robot: FrontierRobot, costs: WavefrontCosts, ways: PathCosts, areas: FloatArray
 ) -> GainChoice:
     """Choose by tours among the frontiers of the highest values; none if the others take them."""
     options = cast(GainOptions, robot.options)

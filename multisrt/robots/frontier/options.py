@@ -221,7 +221,7 @@ class UtilityOptions(BiddingOptions, frozen=True, kw_only=True, forbid_unknown_f
         self.require("overlap_ranges", 0.0 < self.overlap_ranges < math.inf, "positive")
 
 
-class WaysOptions(BiddingOptions, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class PathCostOptions(BiddingOptions, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Parameters of rules that count more than the length of a path: `gain` and `routes`.
 
     Attributes
@@ -245,8 +245,8 @@ class WaysOptions(BiddingOptions, frozen=True, kw_only=True, forbid_unknown_fiel
         self.require("keep_m", 0.0 <= self.keep_m < math.inf, "0 or more")
 
 
-class GainOptions(WaysOptions, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Parameters of `gain`: those of `WaysOptions`, and of the rule.
+class GainOptions(PathCostOptions, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Parameters of `gain`: those of `PathCostOptions`, and of the rule.
 
     Attributes
     ----------
@@ -272,8 +272,8 @@ class GainOptions(WaysOptions, frozen=True, kw_only=True, forbid_unknown_fields=
             self.require(name, 0.0 <= getattr(self, name) < math.inf, "0 or more")
 
 
-class RoutesOptions(WaysOptions, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Parameters of `routes`: those of `WaysOptions`, and of the rule.
+class RoutesOptions(PathCostOptions, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Parameters of `routes`: those of `PathCostOptions`, and of the rule.
 
     Attributes
     ----------

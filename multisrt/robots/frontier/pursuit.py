@@ -1,11 +1,12 @@
 """Going after a mate that is out of touch, so that the two share what is left to explore.
 
-A robot compares two plans of routes over the frontiers that it knows (`team_routes`). Out of
-touch, the mate goes over those alone that it knows; robots in touch go over all. If the two met,
-it could go over all of them, too: their routes would begin at the place and time of the meeting.
-Only if the longest route of all gets strictly shorter is the mate pursued, to where it most
-probably is when the robot can be there (`multisrt.planners.pursuit`). The pursuit is over once the
-mate has what the robot knew, and in vain if it is not there until a while after that time.
+A robot compares two plans of routes over the frontiers that it knows (`team_routes`). Out of touch,
+the mate goes over those alone that it knows; robots in touch go over all. If the two met, it could
+go over all of them, too: their routes would begin at the place and time of the meeting. Only if the
+routes then cost less, by the length of the longest and a tenth of the mean, is the mate pursued, to
+where it most probably is when the robot can be there (`multisrt.planners.pursuit`). The pursuit is
+over once the mate has what the robot knew, and in vain if it is not there until a while after that
+time.
 
 Source: M-TARE (repository `caochao39/mtare_planner`, `grid_world` and `pursuit_mdp`). Differs in:
 targets are frontiers and not cells of 6 m; the route that a mate told is its path to its goal, and
@@ -34,7 +35,7 @@ from multisrt.robots.frontier.homing import FrontierHoming
 from multisrt.robots.frontier.messages import RobotReport
 from multisrt.robots.frontier.options import FrontierOptions
 from multisrt.robots.frontier.path_finder import PathFinder
-from multisrt.robots.frontier.pursuit_routes import Routes, RouteTable, cells_of
+from multisrt.robots.frontier.pursuit_routes import PathLengths, RouteTable, cells_of
 from multisrt.robots.frontier.scan_map import ScanMap
 from multisrt.robots.frontier.team import Team
 from multisrt.robots.homing.their_map import TheirMap
@@ -44,8 +45,8 @@ from multisrt.robots.listening import counts_beyond, have_of
 MAX_TARGETS = 12
 """Number of frontiers, the nearest, over which routes are planned."""
 
-LEAST_GAIN_M = 0.01
-"""The longest route counts as shorter only by more than this, in metres."""
+LEAST_GAIN_M = 1.0
+"""Routes count as shorter only by more than this, in metres: both are found by local search."""
 
 MAX_PURSUITS = 3
 """Number of pursuits of a mate that learned nothing by them, after which it is not pursued."""
@@ -118,7 +119,7 @@ class Pursuit:
         self._paths = paths
         self._frontiers = frontiers
         self._homing = homing
-        self._routes = Routes(me, map, paths)
+        self._routes = PathLengths(me, map, paths)
         self._theirs: dict[int, TheirMap] = {}
         self._quarry: Quarry | None = None
         self._next_s = -math.inf
@@ -203,7 +204,7 @@ class Pursuit:
             place, met_s, passed = found
             before_m = (met_s - self._course.time_s) * self._speed_m_s
             together = table.together(report.robot, place, before_m, passed)
-            cost = len(together.left_out), together.longest_m
+            cost = len(together.left_out), together.cost_m
             if self._is_gain(together, apart) and (best is None or cost < best[0]):
                 count = int((~known[report.robot]).sum())
                 best = (
@@ -215,7 +216,7 @@ class Pursuit:
                         carried=self._map.entries.counts(),
                         why=f"robot {report.robot}, which does not know of {count} of "
                         f"{len(targets)} frontiers; the longest route becomes "
-                        f"{together.longest_m:.0f} m instead of {apart.longest_m:.0f} m",
+                        f"{together.longest_m:.1f} m instead of {apart.longest_m:.1f} m",
                     ),
                 )
         if best is None:
@@ -229,8 +230,8 @@ class Pursuit:
         """Whether the routes after a meeting are better: fewer targets left out, or shorter."""
         if len(together.left_out) != len(apart.left_out):
             return len(together.left_out) < len(apart.left_out)
-        gain = max(LEAST_GAIN_M, self._options.pursue_gain * apart.longest_m)
-        return together.longest_m < apart.longest_m - gain
+        gain_m = max(LEAST_GAIN_M, self._options.pursue_gain * apart.cost_m)
+        return together.cost_m < apart.cost_m - gain_m
 
     def _targets(self) -> FloatArray:
         """Return the nearest frontiers that the robot can reach, ``(m, 2)`` metres."""

@@ -22,7 +22,7 @@ from multisrt.robots.frontier.path_finder import PathFinder
 from multisrt.robots.frontier.scan_map import ScanMap
 
 
-class Routes:
+class PathLengths:
     """Lengths of ways and paths over what a robot knows, without regard to bodies.
 
     Parameters
@@ -69,7 +69,7 @@ class RouteTable:
 
     Parameters
     ----------
-    routes : Routes
+    routes : PathLengths
         The lengths of ways.
     targets : (m, 2) array
         The targets in metres.
@@ -83,7 +83,7 @@ class RouteTable:
 
     def __init__(
         self,
-        routes: Routes,
+        routes: PathLengths,
         targets: FloatArray,
         reports: Sequence[RobotReport],
         known: Mapping[int, BoolArray],
@@ -108,7 +108,7 @@ class RouteTable:
     def apart(self) -> TeamRoutes:
         """Return the routes if no mate is pursued."""
         return team_routes(
-            np.where(self._known, self._starts, np.inf), self._between, head_starts=self._before
+            np.where(self._known, self._starts, np.inf), self._between, initial_lengths=self._before
         )
 
     def together(
@@ -124,7 +124,7 @@ class RouteTable:
         return team_routes(
             np.where(known, starts, np.inf)[:, left],
             self._between[np.ix_(left, left)],
-            head_starts=before,
+            initial_lengths=before,
         )
 
     def route(

@@ -1,9 +1,11 @@
 """Routes: every robot plans the routes of the whole team, and goes to the first stop of its own.
 
-A strategy of this project. All frontiers are divided among the robots and put in order, so that the
-longest route is short (`planners.assignment.team_routes`), anew whenever the map changes. Robots
-begin the search for routes with the goals that they have told one another, so equal knowledge gives
-equal plans, and a goal counts as nearer to the robot that has it, so that plans do not flip.
+A strategy of this project. All frontiers are divided among the robots and put in order so that the
+longest route is short (`planners.assignment.team_routes`), each time a goal is chosen. Every robot
+starts the search from the goals that the robots have told one another, so robots with the same
+knowledge plan the same routes; a goal counts as nearer to the robot that has it, so that plans do
+not flip. What only the planning robot knows of its own way does make a difference: bodies that bar
+it, and frontiers for which it has no time.
 """
 
 from __future__ import annotations
@@ -16,9 +18,9 @@ import numpy as np
 
 from multisrt.geometry.numerics.arrays import FloatArray, IntArray
 from multisrt.planners.assignment.team_routes import team_routes
-from multisrt.robots.frontier.counted_ways import CountedWays, lengths_among, present_goals
 from multisrt.robots.frontier.gain import areas_beyond
 from multisrt.robots.frontier.options import RoutesOptions
+from multisrt.robots.frontier.path_costs import PathCosts, lengths_among, present_goals
 from multisrt.robots.frontier.robot import FrontierRobot
 from multisrt.robots.frontier.utility import apart
 from multisrt.robots.frontier.wavefront_costs import WavefrontCosts
@@ -34,37 +36,37 @@ def choose_routes(robot: FrontierRobot, because: str) -> Choice:
     costs = WavefrontCosts(robot, whole=True)
     if not np.isfinite(costs.costs[costs.row]).any():
         return (yield from settle_on(robot, costs.table(), None, "routes", because))
-    ways = CountedWays(robot, costs).whole()
+    ways = PathCosts(robot, costs).whole()
     near = _nearest(costs)
     targets = costs.targets[near]
     goals = present_goals(robot, costs.robots, costs.targets)[:, near]
     areas = areas_beyond(robot, targets)
-    searches = options.search_m_per_m2 * areas
+    service = options.search_m_per_m2 * areas
     lengths = lengths_among(robot, targets, costs.costs[costs.row, near], apart(targets, targets))
     routes = team_routes(
         ways[:, near],
         lengths,
         goals=[int(np.argmax(row)) if row.any() else None for row in goals],
-        searches=searches,
+        service_lengths=service,
     ).routes
     own = routes[costs.row]
     choice = int(near[own[0]]) if own else int(np.argmin(costs.costs[costs.row]))
     rounds = tuple(
         (number, int(near[stop]), float(areas[stop]), at_m)
         for number, way, route in zip(costs.robots, ways[:, near], routes, strict=True)
-        for stop, at_m in _along(route, way, lengths, searches)
+        for stop, at_m in _along(route, way, lengths, service)
     )
     return (yield from settle_on(robot, costs.table(), choice, "routes", because, rounds=rounds))
 
 
 def _along(
-    route: tuple[int, ...], way: FloatArray, lengths: FloatArray, searches: FloatArray
+    route: tuple[int, ...], way: FloatArray, lengths: FloatArray, service: FloatArray
 ) -> Iterator[tuple[int, float]]:
-    """Yield the stops of a route, and the length up to each with the searches before, in metres."""
+    """Yield the stops of a route, and the length up to each in metres."""
     at_m = 0.0
     for before, stop in pairwise((None, *route)):
         assert stop is not None
-        at_m += way[stop] if before is None else searches[before] + lengths[before, stop]
+        at_m += way[stop] if before is None else service[before] + lengths[before, stop]
         yield stop, float(at_m)
 
 

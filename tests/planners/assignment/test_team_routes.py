@@ -45,9 +45,9 @@ def test_what_has_to_be_searched_longest_comes_last():
     # 3 m to the right and 3 m to the left; a search counts by half at the end of a route.
     x = np.array([3.0, -3.0])
     lengths = np.abs(x[:, None] - x)
-    assert team_routes([np.abs(x)], lengths, searches=[4.0, 0.0]).routes == ((1, 0),)
-    assert team_routes([np.abs(x)], lengths, searches=[0.0, 4.0]).routes == ((0, 1),)
-    assert team_routes([np.abs(x)], lengths, searches=[0.0, 4.0]).lengths_m == (11.0,)
+    assert team_routes([np.abs(x)], lengths, service_lengths=[4.0, 0.0]).routes == ((1, 0),)
+    assert team_routes([np.abs(x)], lengths, service_lengths=[0.0, 4.0]).routes == ((0, 1),)
+    assert team_routes([np.abs(x)], lengths, service_lengths=[0.0, 4.0]).lengths_m == (11.0,)
 
 
 def test_the_search_begins_with_the_goals():
@@ -72,6 +72,20 @@ def test_targets_without_a_path_are_left_out():
     assert nothing.longest_m == 0.0
 
 
+def test_no_target_is_left_out_for_a_shorter_route():
+    # Robot 1 may not go to target 1, and no path joins the targets.
+    inf = np.inf
+    found = team_routes([[1.0, 1.0], [1.0, inf]], [[0.0, inf], [inf, 0.0]])
+    assert found.routes == ((1,), (0,))
+    assert found.left_out == ()
+
+
+def test_the_cost_is_the_longest_and_a_tenth_of_the_mean():
+    found = team_routes([[20.0, 20.0]] * 2, [[0.0, 40.0], [40.0, 0.0]], initial_lengths=[0.0, 25.0])
+    assert found.lengths_m == (20.0, 45.0)
+    assert found.cost_m == pytest.approx(45.0 + 0.1 * 32.5)
+
+
 def test_a_robot_gets_no_target_without_a_path_on_the_way_either():
     # Robot 1 is on the line but may not go to target 1, which lies between the others.
     x = np.array([1.0, 2.0, 3.0])
@@ -87,8 +101,8 @@ def test_two_ends_of_a_line_are_shared():
     both = [[20.0, 20.0]] * 2
     assert team_routes(both, ends).longest_m == 20.0
     # With 25 m to drive before, sharing is still better, with 65 m it is not.
-    assert team_routes(both, ends, head_starts=[0.0, 25.0]).longest_m == 45.0
-    assert team_routes(both, ends, head_starts=[0.0, 65.0]).lengths_m == (60.0, 0.0)
+    assert team_routes(both, ends, initial_lengths=[0.0, 25.0]).longest_m == 45.0
+    assert team_routes(both, ends, initial_lengths=[0.0, 65.0]).lengths_m == (60.0, 0.0)
 
 
 @settings(max_examples=60, deadline=None)
@@ -99,7 +113,7 @@ def test_every_target_is_on_one_route(robots, targets, seed):
     ways = np.hypot(*(starts[:, None] - places).transpose(2, 0, 1))
     lengths, searches = apart(places), rng.uniform(0, 5, targets)
     goals = [int(rng.integers(targets)) if targets and rng.uniform() < 0.5 else None] * robots
-    found = team_routes(ways, lengths, goals=goals, searches=searches)
+    found = team_routes(ways, lengths, goals=goals, service_lengths=searches)
     assert sorted(itertools.chain.from_iterable(found.routes)) == list(range(targets))
     assert found.lengths_m == pytest.approx(
         [
@@ -107,7 +121,7 @@ def test_every_target_is_on_one_route(robots, targets, seed):
             for route, row in zip(found.routes, ways, strict=True)
         ]
     )
-    assert team_routes(ways, lengths, goals=goals, searches=searches) == found
+    assert team_routes(ways, lengths, goals=goals, service_lengths=searches) == found
 
 
 def test_the_best_routes_of_small_teams_are_found():
@@ -125,7 +139,7 @@ def test_the_best_routes_of_small_teams_are_found():
                     for part, row in zip((order[:cut], order[cut:]), ways, strict=True)
                 ]
                 best = min(best, max(both) + MEAN_WEIGHT * float(np.mean(both)))
-        own = team_routes(ways, lengths, searches=searches).lengths_m
+        own = team_routes(ways, lengths, service_lengths=searches).lengths_m
         excess.append((max(own) + MEAN_WEIGHT * float(np.mean(own))) / best)
     assert min(excess) > 1.0 - 1e-9
     assert np.median(excess) < 1.0 + 1e-9
@@ -137,9 +151,9 @@ def test_the_best_routes_of_small_teams_are_found():
     [
         ({"lengths": np.zeros((2, 3))}, "lengths has the shape"),
         ({"costs": np.empty((0, 2))}, "costs"),
-        ({"searches": [1.0]}, "searches has the shape"),
-        ({"searches": [1.0, -1.0]}, "searches"),
-        ({"head_starts": [1.0, 2.0]}, "head_starts has the shape"),
+        ({"service_lengths": [1.0]}, "service_lengths has the shape"),
+        ({"service_lengths": [1.0, -1.0]}, "service_lengths"),
+        ({"initial_lengths": [1.0, 2.0]}, "initial_lengths has the shape"),
         ({"goals": [0, 1]}, "one for each robot"),
         ({"goals": [2]}, "goals"),
         ({"costs": [[1.0, np.nan]]}, "costs"),

@@ -197,9 +197,12 @@ def test_a_front_that_dies_is_followed_by_the_next():
     assert all(e.robot > 1 for e in called)
 
 
+RULES = ("closest", "greedy", "minpos", "utility", "self-bidding", "rules", "gain", "routes")
+
+
 @pytest.mark.parametrize("seed", range(8))
 def test_nobody_waits_for_ever_and_none_collides(seed):
-    rule = ("closest", "greedy", "minpos", "utility", "self-bidding", "rules", "gain", "gain")[seed]
+    rule = RULES[seed]
     rng = np.random.default_rng(seed)
     dead = int(rng.integers(4))
     faults = (

@@ -26,12 +26,14 @@ from multisrt.robots.frontier.options import (
     BiddingOptions,
     FrontierOptions,
     GainOptions,
+    RoutesOptions,
     RulesOptions,
     SelfBiddingOptions,
     UtilityOptions,
 )
 from multisrt.robots.frontier.progress import Event
 from multisrt.robots.frontier.robot import FrontierRobot
+from multisrt.robots.frontier.routes import choose_routes
 from multisrt.robots.frontier.self_bidding import choose_by_self_bidding
 from multisrt.robots.frontier.utility import choose_utility
 from multisrt.robots.frontier.wavefront_costs import WavefrontCosts
@@ -221,6 +223,7 @@ CHOOSERS = {
     "self-bidding": (choose_by_self_bidding, SelfBiddingOptions),
     "rules": (Rules().choose, RulesOptions),
     "gain": (choose_gain, GainOptions),
+    "routes": (choose_routes, RoutesOptions),
 }
 
 
@@ -589,7 +592,7 @@ def test_a_pair_that_begins_apart_from_the_base_finds_it_first():
 # All rules ---------------------------------------------------------------------------------------
 
 
-RULES = ("closest", "greedy", "minpos", "utility", "self-bidding", "rules", "gain")
+RULES = ("closest", "greedy", "minpos", "utility", "self-bidding", "rules", "gain", "routes")
 HALL = Environment(
     "hall",
     shapely.box(0, 0, 24, 12).difference(

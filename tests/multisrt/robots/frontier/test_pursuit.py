@@ -256,9 +256,12 @@ def test_who_is_pursued_learns_what_the_other_knew():
     assert caught >= 1
 
 
-@pytest.mark.parametrize("seed", range(7))
+RULES = ("closest", "greedy", "minpos", "utility", "self-bidding", "rules", "gain", "routes")
+
+
+@pytest.mark.parametrize("seed", range(8))
 def test_nobody_waits_for_the_dead_and_none_collides(seed):
-    rule = ("closest", "greedy", "minpos", "utility", "self-bidding", "rules", "gain")[seed]
+    rule = RULES[seed]
     faults = (
         Death(robot=seed % 3, time_s=25.0 + 5.0 * seed),
         Silence(robot=(seed + 1) % 3, time_s=20.0, duration_s=30.0),

@@ -93,6 +93,20 @@ def test_the_routes_are_explained(run):
     assert f"> robot {choice.robot}: {stops}" in text
 
 
+def test_a_choice_of_no_goal_is_explained(run):
+    last = choices_of(run)[-1]
+    assert last.goal is None
+    text = explain(run.recording, last.robot, last.time_s)
+    assert "no goal: there is none that it can reach" in text
+    assert "its own route is empty" not in text
+
+
+def test_one_robot_explores_alone():
+    alone = explored(robots=1)
+    assert alone.metrics.outcome == "complete"
+    assert {e.robot for e in choices_of(alone)} == {0}
+
+
 def test_lengths_along_routes_grow(run):
     for choice in choices_of(run):
         for robot in choice.robots:

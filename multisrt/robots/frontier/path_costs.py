@@ -11,7 +11,7 @@ import numpy as np
 from multisrt.geometry.grids.lengths_between import lengths_between
 from multisrt.geometry.numerics import libm
 from multisrt.geometry.numerics.arrays import BoolArray, FloatArray
-from multisrt.robots.frontier.options import WaysOptions
+from multisrt.robots.frontier.options import PathCostOptions
 from multisrt.robots.frontier.robot import FrontierRobot
 from multisrt.robots.frontier.wavefront_costs import WavefrontCosts
 
@@ -19,7 +19,7 @@ SAME_GOAL_M: Final = 1.0
 """A frontier this close to a goal is taken for that goal: frontiers move as they are seen."""
 
 
-class CountedWays:
+class PathCosts:
     """Ways of robots to targets: path lengths with the first turn, goals that are kept nearer.
 
     Parameters
@@ -31,7 +31,7 @@ class CountedWays:
     """
 
     def __init__(self, robot: FrontierRobot, costs: WavefrontCosts) -> None:
-        options = cast(WaysOptions, robot.options)
+        options = cast(PathCostOptions, robot.options)
         self._costs = costs
         self._turns_m = options.turn_m_per_rad * first_turns(robot, costs.robots, costs.targets)
         self._nearer_m = options.keep_m * present_goals(robot, costs.robots, costs.targets)

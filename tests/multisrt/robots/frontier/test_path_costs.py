@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from multisrt.robots.frontier.counted_ways import first_turns, lengths_among, present_goals
+from multisrt.robots.frontier.path_costs import first_turns, lengths_among, present_goals
 
 CELL_M = 0.1
 

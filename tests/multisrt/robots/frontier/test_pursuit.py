@@ -82,7 +82,7 @@ def pursued(robot) -> Any:
 
 
 def lengths_of(errand):
-    return [int(found) for found in re.findall(r"(\d+) m", errand.why)]
+    return [float(found) for found in re.findall(r"([\d.]+) m", errand.why)]
 
 
 def test_a_mate_that_can_take_one_end_is_pursued_to_where_it_goes():

@@ -108,10 +108,7 @@ def product(one: FloatArray, other: FloatArray) -> FloatArray:
     >>> product(np.array([[1.0, 2.0]]), np.array([[3.0], [4.0]])).tolist()
     [[11.0]]
     """
-    total = one[:, :1] * other[:1]
-    for k in range(1, len(other)):
-        total = total + one[:, k : k + 1] * other[k : k + 1]
-    return total
+    return _product(np.asarray(one, np.float64, "C"), np.asarray(other, np.float64, "C"))
 
 
 def _of_one(function: Callable[[FloatArray], FloatArray], values: ArrayLike) -> FloatArray:
@@ -174,4 +171,14 @@ def _power(bases: FloatArray, exponents: FloatArray) -> FloatArray:
     found = np.empty_like(bases)
     for k in range(len(bases)):
         found[k] = bases[k] ** exponents[k]
+    return found
+
+
+@kernel
+def _product(one: FloatArray, other: FloatArray) -> FloatArray:
+    found = np.zeros((len(one), other.shape[1]))
+    for i in range(len(one)):
+        for j in range(other.shape[1]):
+            for k in range(len(other)):
+                found[i, j] += one[i, k] * other[k, j]
     return found

@@ -2,6 +2,7 @@
 
 import math
 import re
+from functools import lru_cache
 from typing import Final
 
 import numpy as np
@@ -119,6 +120,7 @@ def length(text: str, whole: float) -> float:
     return value * whole / 100 if unit == "%" else value * PX_PER_UNIT[unit]
 
 
+@lru_cache(maxsize=256)
 def matrix(text: str) -> FloatArray:
     """Return a transform as a ``(3, 3)`` matrix for column vectors x, y, 1.
 
@@ -141,6 +143,7 @@ def matrix(text: str) -> FloatArray:
         at = found.end()
         if not np.abs(result).max() <= MAX_NUMBER:
             raise SvgError(f"the transform {shown(text)} is beyond {MAX_NUMBER:g}")
+    result.setflags(write=False)
     return result
 
 

@@ -132,10 +132,11 @@ def experiment(
     if maps is not None:
         worlds += [read_map(maps / name, name).choice for name in MAPS]
     if only:
-        unknown = set(only) - {world.label or world.name for world in worlds}
+        named = {world.label or world.name: world for world in worlds}
+        unknown = set(only) - named.keys()
         if unknown:
             raise SystemExit(f"no world is named {', '.join(sorted(unknown))}")
-        worlds = [world for world in worlds if (world.label or world.name) in only]
+        worlds = [world for name, world in named.items() if name in only]
     return ExperimentSpec(
         name="Beyond the papers",
         about="Is a strategy of this project faster than the best of the papers'?",

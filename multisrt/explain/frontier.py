@@ -207,11 +207,11 @@ class _BidStory(ChoiceStory[GoalChosen]):
             yield f"and {many(len(rounds) - MAX_ROWS, 'more round')}"
 
     def _routes(self) -> Iterator[str]:
+        if self.choice.goal is None:
+            return
         stops: dict[int, list[str]] = {robot: [] for robot in self.choice.robots}
         for robot, target, _, at_m in self.choice.rounds:
             stops[robot].append(f"{target} at {at_m:.1f} m")
-        if self.choice.goal is None:
-            return
         yield "routes: frontiers in the order of visits, and the counted length of the route up to"
         yield "each: with the first turn and exploration on the way, less for a goal that is kept"
         for robot, route in stops.items():

@@ -45,7 +45,7 @@ from multisrt.robots.listening import counts_beyond, have_of
 MAX_TARGETS = 12
 """Number of frontiers, the nearest, over which routes are planned."""
 
-LEAST_GAIN_M = 1.0
+MIN_GAIN_M = 1.0
 """Routes count as shorter only by more than this, in metres: both are found by local search."""
 
 MAX_PURSUITS = 3
@@ -230,7 +230,7 @@ class Pursuit:
         """Whether the routes after a meeting are better: fewer targets left out, or shorter."""
         if len(together.left_out) != len(apart.left_out):
             return len(together.left_out) < len(apart.left_out)
-        gain_m = max(LEAST_GAIN_M, self._options.pursue_gain * apart.cost_m)
+        gain_m = max(MIN_GAIN_M, self._options.pursue_gain * apart.cost_m)
         return together.cost_m < apart.cost_m - gain_m
 
     def _targets(self) -> FloatArray:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import textwrap
 from collections.abc import Iterator, Sequence
 from typing import Final
 
@@ -13,8 +14,8 @@ from multisrt.explain.words import because, bid_choice, decision_lines, many, pl
 from multisrt.recording import Recording
 from multisrt.robots.naming import named_robots
 
-MAX_COLUMNS = 8
-"""Frontiers that a table shows: of more, those nearest to the robot and the chosen one."""
+MAX_COLUMNS = 6
+"""Frontiers that a table shows: of more, the chosen one, those on its route and the nearest."""
 
 MAX_ROWS = 12
 """Rounds of an assignment, and best cells, that are shown."""
@@ -37,6 +38,9 @@ LEFT_OUT: Final = {
 
 COLUMN = 10
 """Width of a table column, in characters."""
+
+WIDTH: Final = 11 * (MAX_COLUMNS + 1)
+"""Width of a whole table, in characters, at which routes are wrapped."""
 
 
 def choice_lines(
@@ -150,7 +154,7 @@ class _BidStory(ChoiceStory[GoalChosen]):
         shown = self._columns()
         left_out = len(choice.frontiers) - len(shown)
         if left_out:
-            yield f"{left_out} of {len(choice.frontiers)} frontiers, farther away, are not shown"
+            yield f"{left_out} of {len(choice.frontiers)} frontiers are not shown"
         yield ">: its own row, *: its choice, -: no path or not computed"
         if self.home in LEFT_OUT:
             yield f"-, in its own row: or left out, as {LEFT_OUT[self.home]}"
@@ -178,15 +182,17 @@ class _BidStory(ChoiceStory[GoalChosen]):
             yield self._row(self._name(robot), [_metres(values[k]) for k in shown])
 
     def _columns(self) -> list[int]:
-        # The nearest to this robot and the chosen one, in the order of the table.
+        # The chosen one, the stops of its own route and the nearest, in the order of the table.
         choice = self.choice
         own = choice.costs[choice.robots.index(self.robot)]
-        chosen = self._chosen()
-        nearest = sorted(
-            range(len(own)),
-            key=lambda k: (k != chosen, math.inf if (cost := own[k]) is None else cost, k),
+        stops = [target for robot, target, *_ in choice.rounds if robot == self.robot]
+        first = [self._chosen(), *(stops if choice.rule == "routes" else ())]
+        rest = sorted(
+            set(range(len(own))).difference(first),
+            key=lambda k: (math.inf if (cost := own[k]) is None else cost, k),
         )
-        return sorted(nearest[:MAX_COLUMNS])
+        shown = [k for k in dict.fromkeys(first) if k is not None] + rest
+        return sorted(shown[:MAX_COLUMNS])
 
     def _name(self, robot: int) -> str:
         return f"{'>' if robot == self.robot else ' '} robot {robot}"
@@ -210,14 +216,25 @@ class _BidStory(ChoiceStory[GoalChosen]):
         if self.choice.goal is None:
             return
         stops: dict[int, list[str]] = {robot: [] for robot in self.choice.robots}
+        shown = self._columns()
         for robot, target, _, at_m in self.choice.rounds:
-            stops[robot].append(f"{target} at {at_m:.1f} m")
+            where = (
+                ""
+                if target in shown or stops[robot]
+                else f", {place(self.choice.frontiers[target])},"
+            )
+            # Lines break between the stops only.
+            stops[robot].append(
+                f"{target}{where} at {at_m:.1f} m".replace(" ", "\N{NO-BREAK SPACE}")
+            )
         yield "routes: frontiers in the order of visits, and the counted length of the route up to"
         yield "each: with the first turn and exploration on the way, less for a goal that is kept"
         for robot, route in stops.items():
             rest = len(route) - MAX_ROWS
             more = f", and {rest} more" if rest > 0 else ""
-            yield f"{self._name(robot)}: {', '.join(route[:MAX_ROWS]) or 'none'}{more}"
+            line = f"{self._name(robot)}: {', '.join(route[:MAX_ROWS]) or 'none'}{more}"
+            for part in textwrap.wrap(line, WIDTH, subsequent_indent=" " * 11):
+                yield part.replace("\N{NO-BREAK SPACE}", " ")
         if not stops[self.robot]:
             yield "its own route is empty, so it goes to the nearest frontier"
 

@@ -7,10 +7,9 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from multisrt.geometry.grids.distance_field import DistanceField
 from multisrt.geometry.grids.occupancy import FrontierGroup, Occupancy
 from multisrt.geometry.numerics.distances import nearest_points
-from multisrt.geometry.numerics.kernel import FloatArray, IntArray
+from multisrt.geometry.numerics.arrays import BoolArray, FloatArray, IntArray
 from multisrt.robots.frontier.fields import indices_of
 from multisrt.robots.frontier.goal import Place
 
@@ -71,7 +70,7 @@ class Frontiers:
         """Return the groups of `targets`, each with the place to go to."""
         return self._placed(self._reachable())
 
-    def look_closer(self, field: DistanceField, *, blocked: bool) -> bool:
+    def look_closer(self, reach: BoolArray, *, blocked: bool) -> bool:
         """Look for other targets in groups whose own one cannot be reached.
 
         The cells of a group need not be connected by passable cells: it may begin behind a gap
@@ -80,10 +79,10 @@ class Frontiers:
 
         Parameters
         ----------
-        field : DistanceField
-            Distances from where the robot stands.
+        reach : (rows, columns) array of bool
+            The cells of the raster to which the robot has a path.
         blocked : bool
-            Whether bodies block cells of the field. Groups out of reach are then not taken as
+            Whether bodies block cells. Groups out of reach are then not taken as
             unreachable, as the bodies may leave.
 
         Returns
@@ -95,7 +94,7 @@ class Frontiers:
         known, self._unreachable, substitutes = self._unreachable, {}, {}
         placed = self._placed(self.groups())
         places = np.array([place for _, place in placed]).reshape(-1, 2)
-        in_reach = np.isfinite(field.distance(indices_of(self._raster, places)))
+        in_reach = reach[tuple(indices_of(self._raster, places).T)]
         out_of_reach = []
         for (group, _), is_in_reach in zip(placed, in_reach.tolist(), strict=True):
             if id(group) in self._substitutes:
@@ -105,7 +104,7 @@ class Frontiers:
             else:
                 out_of_reach.append(group)
         for group, cells in zip(
-            out_of_reach, self._cells_in_reach(out_of_reach, field), strict=True
+            out_of_reach, self._cells_in_reach(out_of_reach, reach), strict=True
         ):
             if len(cells):
                 substitutes[id(group)] = group, self._most_central(group, cells)
@@ -216,12 +215,12 @@ class Frontiers:
         return self._most_central(group, cells)
 
     def _cells_in_reach(
-        self, groups: list[FrontierGroup], field: DistanceField
+        self, groups: list[FrontierGroup], reach: BoolArray
     ) -> list[FloatArray]:
         """Return the centres of each group's open cells to which there is a path."""
         centres, owner = self._open_cells(groups)
-        costs = field.distance(indices_of(self._raster, centres)) if len(centres) else np.empty(0)
-        centres, owner = centres[np.isfinite(costs)], owner[np.isfinite(costs)]
+        is_in_reach = reach[tuple(indices_of(self._raster, centres).T)]
+        centres, owner = centres[is_in_reach], owner[is_in_reach]
         begins = np.searchsorted(owner, np.arange(1, len(groups)))
         return np.split(centres, begins) if groups else []
 

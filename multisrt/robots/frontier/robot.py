@@ -16,7 +16,7 @@ from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.grids.distance_field import DistanceField
 from multisrt.geometry.grids.occupancy import Occupancy
 from multisrt.geometry.numerics.distances import inside
-from multisrt.geometry.numerics.kernel import FloatArray, IntArray
+from multisrt.geometry.numerics.arrays import BoolArray, FloatArray, IntArray
 from multisrt.geometry.regions.scan import Scan
 from multisrt.planners.motion.body import PlanningBody
 from multisrt.planners.motion.kinematics import Car
@@ -175,9 +175,9 @@ class FrontierRobot:
         """Return the places to go to, ``(m, 2)`` metres; see `Frontiers.targets`."""
         return self.frontiers.targets()
 
-    def look_closer(self, field: DistanceField) -> bool:
+    def look_closer(self, reach: BoolArray) -> bool:
         """Look for other targets where one cannot be reached; see `Frontiers.look_closer`."""
-        return self.frontiers.look_closer(field, blocked=len(self.bodies) > 0)
+        return self.frontiers.look_closer(reach, blocked=len(self.bodies) > 0)
 
     def is_frontier(self, x: float, y: float) -> bool:
         """Whether a frontier cell lies within half the body's width of a place."""
@@ -233,7 +233,7 @@ class FrontierRobot:
         field = self.own_field()
         if field is None:
             return False
-        self.look_closer(field)
+        self.look_closer(field.reachable())
         targets = self.targets()
         if self.homing is not None:
             return bool(np.isfinite(self.fitting_costs(field, targets)).any())

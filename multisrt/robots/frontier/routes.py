@@ -33,8 +33,8 @@ MAX_TARGETS: Final = 24
 def choose_routes(robot: FrontierRobot, because: str) -> Choice:
     """ROUTES: the first stop of the robot's own route; without one, its nearest frontier."""
     options = cast(RoutesOptions, robot.options)
-    costs = WavefrontCosts(robot, whole=True)
-    if not np.isfinite(costs.costs[costs.row]).any():
+    costs = WavefrontCosts(robot, every=True)
+    if not costs.is_choosable.any():
         return (yield from settle_on(robot, costs.table(), None, "routes", because))
     ways = PathCosts(robot, costs).whole()
     near = _nearest(costs)

@@ -68,9 +68,9 @@ class WavefrontCosts:
         The robot that decides.
     alone : bool
         Leave the other robots out.
-    whole : bool
-        Compute the robot's own costs to all targets. It then looks for other cells of every
-        frontier whose target it cannot reach; otherwise only if it can reach no target.
+    every : bool
+        Look for other cells of every frontier whose target the robot cannot reach; otherwise only
+        if it can reach no target.
 
     Attributes
     ----------
@@ -84,9 +84,11 @@ class WavefrontCosts:
         Targets of the frontiers in metres.
     costs : (n, m) array
         Path lengths in metres; ``inf`` where there is no path or none was computed.
+    is_choosable : (m,) array of bool
+        Whether the deciding robot has time for a target and, with `every`, can reach it.
     """
 
-    def __init__(self, robot: FrontierRobot, *, alone: bool = False, whole: bool = False) -> None:
+    def __init__(self, robot: FrontierRobot, *, alone: bool = False, every: bool = False) -> None:
         self.robot = robot
         places = {robot.me.robot: robot.at[:2]}
         if not alone:
@@ -99,41 +101,49 @@ class WavefrontCosts:
             self.field = robot.own_field()
             self._fields: dict[int, DistanceField | None] = {self.row: self.field}
             self._take_targets()
-            if self.field is not None and not self._are_in_reach(whole):
-                is_some = self._own_nearest is not None
-                if robot.look_closer(self.field) or whole or is_some:
-                    self._take_targets()
-                    self._are_in_reach(whole)
-            self._leave_out_late(whole)
+            if self.field is None:
+                self.is_choosable[:] = False
+            elif every:
+                self._put_all_in_reach(self.field)
+            else:
+                self._put_one_in_reach(self.field)
+            self._leave_out_late(every)
 
     def _take_targets(self) -> None:
         self.targets = self.robot.targets()
         self._indices = self.robot.indices_of(self.targets)
         self.costs = np.full((len(self.robots), len(self.targets)), np.inf)
+        self.is_choosable: BoolArray = np.ones(len(self.targets), np.bool_)
+        self._are_own_known: BoolArray = np.zeros(len(self.targets), np.bool_)
         self._own_nearest: tuple[float, int] | None = None
 
-    def _are_in_reach(self, whole: bool) -> bool:
-        """Whether the deciding robot can reach any of the targets, or with `whole` all of them.
+    def _put_all_in_reach(self, field: DistanceField) -> None:
+        """Look for other cells of all frontiers whose targets are out of reach."""
+        reach = field.reachable()
+        # What was left out has to be looked at again: parts of the map join as it grows.
+        if self.robot.frontiers.leaves_out or not reach[tuple(self._indices.T)].all():
+            self.robot.look_closer(reach)
+            self._take_targets()
+        self.is_choosable = reach[tuple(self._indices.T)]
 
-        If some are left out, that has to be looked at again: parts of the map join as it grows.
-        """
-        if whole:
-            self._compute_row(self.row)
-            are_in_reach = bool(np.isfinite(self.costs[self.row]).all())
-        else:
+    def _put_one_in_reach(self, field: DistanceField) -> None:
+        """Find the nearest target, and look for other cells if there is none, or one is left out."""
+        self._own_nearest = self._first(self.row, np.arange(len(self.targets)), math.inf)
+        is_some = self._own_nearest is not None
+        if is_some and not self.robot.frontiers.leaves_out:
+            return
+        if self.robot.look_closer(field.reachable()) or is_some:
+            self._take_targets()
             self._own_nearest = self._first(self.row, np.arange(len(self.targets)), math.inf)
-            are_in_reach = self._own_nearest is not None
-        return len(self.targets) > 0 and are_in_reach and not self.robot.frontiers.leaves_out
 
-    def _leave_out_late(self, whole: bool) -> None:
+    def _leave_out_late(self, every: bool) -> None:
         """Leave out of the deciding robot's own choice the targets that it has no time for."""
-        self._in_time: BoolArray | None = None
         if self.field is None or self.robot.homing is None:
             return
         costs = self.robot.fitting_costs(self.field, self.targets)
-        self._in_time = np.isfinite(costs)
-        if whole:
-            self.costs[self.row] = costs
+        self.is_choosable = np.isfinite(costs)
+        if every:
+            self.costs[self.row], self._are_own_known[:] = costs, True
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -152,7 +162,10 @@ class WavefrontCosts:
 
     def lower_bounds(self) -> FloatArray:
         """Return the Euclidean distances less an allowance for rounding, ``(n, m)`` metres."""
-        offsets = np.array(self._places)[:, None] - self.targets
+        places = np.array(self._places)
+        if self.field is not None:
+            places[self.row] = self.field.sources[0]
+        offsets = places[:, None] - self.targets
         euclidean = np.hypot(offsets[..., 0], offsets[..., 1])
         spare_m = np.full((len(self.robots), 1), BOUND_CELLS * self.robot.raster.cell_m)
         for row, centre in self._centres.items():
@@ -171,8 +184,7 @@ class WavefrontCosts:
         """
         if robot != self.row:
             return self._first(robot, frontiers, limit_m)
-        if self._in_time is not None:
-            frontiers = frontiers[self._in_time[frontiers]]
+        frontiers = frontiers[self.is_choosable[frontiers]]
         known = self._own_nearest
         if known is not None and known[1] in frontiers:
             return known
@@ -184,12 +196,21 @@ class WavefrontCosts:
 
         It is ``inf`` if the robot cannot reach it, or has no time for it.
         """
-        if self._in_time is not None and not self._in_time[target]:
-            return math.inf
-        if self.field is not None and not np.isfinite(self.costs[self.row, target]):
-            with self.robot.around_bodies():
-                self.costs[self.row, target] = self.field.distance(self._indices[[target]])[0]
+        self.compute_own(np.array([target]))
         return float(self.costs[self.row, target])
+
+    def are_own_known(self, targets: IntArray) -> BoolArray:
+        """Return to which of some targets the deciding robot's costs are computed, ``(k,)``."""
+        return self._are_own_known[targets]
+
+    def compute_own(self, targets: IntArray | None = None) -> None:
+        """Compute the deciding robot's costs to some targets, by default to all."""
+        which = np.arange(len(self.targets)) if targets is None else targets
+        which = which[self.is_choosable[which] & ~self._are_own_known[which]]
+        if self.field is not None and len(which):
+            with self.robot.around_bodies():
+                self.costs[self.row, which] = self.field.distance(self._indices[which])
+            self._are_own_known[which] = True
 
     def _first(self, robot: int, frontiers: IntArray, limit_m: float) -> tuple[float, int] | None:
         field = self._field_from(robot)
@@ -274,11 +295,14 @@ class WavefrontCosts:
 
 def own_costs(robot: FrontierRobot) -> Table:
     """Return one robot's costs to all targets, as a table of one row."""
-    return WavefrontCosts(robot, alone=True, whole=True).table()
+    costs = WavefrontCosts(robot, alone=True, every=True)
+    costs.compute_own()
+    return costs.table()
 
 
 def full_table(robot: FrontierRobot) -> Table:
     """Return the costs of all robots that are taken into account to all targets."""
-    costs = WavefrontCosts(robot, whole=True)
+    costs = WavefrontCosts(robot, every=True)
+    costs.compute_own()
     costs.compute_others()
     return costs.table()

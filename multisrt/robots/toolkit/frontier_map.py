@@ -226,7 +226,7 @@ class FrontierMap:
             field = self._field(*_one(from_, "from_")[0].tolist())
             if field is None:
                 return ()
-            self._frontiers.look_closer(field, blocked=self._past_bodies is not None)
+            self._frontiers.look_closer(field.reachable(), blocked=self._past_bodies is not None)
         found = [self._frontier(group, place) for group, place in self._frontiers.placed()]
         if field is not None and found:
             reached = np.isfinite(self._distances(field, places_of(found)))

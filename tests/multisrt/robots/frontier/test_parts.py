@@ -206,15 +206,14 @@ def test_a_goal_that_is_explored_was_not_reached_in_vain():
 def test_groups_out_of_reach_are_left_out_unless_bodies_bar_them(blocked):
     frontiers, raster = frontiers_of((10, 3))
     with raster.blocked(np.array([[12.5, y, 0.6] for y in np.arange(0.0, 6.1, 0.5)])):
-        field = DistanceFields(raster).begin((10.0, 3.0))
-        assert not frontiers.look_closer(field, blocked=blocked)
+        reach = DistanceFields(raster).begin((10.0, 3.0)).reachable()
+        assert not frontiers.look_closer(reach, blocked=blocked)
     right = [x > 10 for x, _ in frontiers.targets().tolist()]
     assert right.count(True) == (1 if blocked else 0)
     assert right.count(False) == 1
     # Once there is a path, the group has a target again.
-    assert (
-        frontiers.look_closer(DistanceFields(raster).begin((10.0, 3.0)), blocked=False) != blocked
-    )
+    reach = DistanceFields(raster).begin((10.0, 3.0)).reachable()
+    assert frontiers.look_closer(reach, blocked=False) != blocked
     assert len(frontiers.targets()) == 2
 
 

@@ -16,13 +16,16 @@ from multisrt.cli.reach import elsewhere
 from multisrt.cli.spec_files import read_experiment
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterator, Mapping, Sequence
 
+    from multisrt.environments.environment import Environment
     from multisrt.experiments.crossing import Condition, PlannedRun
     from multisrt.experiments.estimate import Estimate
     from multisrt.experiments.job import Compilation
     from multisrt.experiments.results import Result
     from multisrt.experiments.spec import ExperimentSpec, Limits
+    from multisrt.geometry.configuration import Configuration
+    from multisrt.spec import RunSpec
 
 MAX_ROWS = 24
 """Upper bound of the rows in the table of conditions; the rest is cut."""
@@ -92,8 +95,8 @@ def check(
         warnings |= _failures(found.probes)
     elif seconds:
         click.echo("no estimate: no trial run came to an end")
-    for condition, reason in warnings.items():
-        click.echo(f"warning: [{condition}]: {reason}", err=True)
+    for line in _by_reason(warnings):
+        click.echo(f"warning: {line}", err=True)
     where = "" if store is None else f" --store {shlex.quote(str(store))}"
     click.echo(
         f"next: multisrt experiment run {shlex.quote(str(file))}{where}{imports_again(imports)}"
@@ -121,19 +124,19 @@ def _poor_starts(planned: Sequence[PlannedRun]) -> dict[Condition, str]:
     from multisrt.environments.parts import is_poor_start
     from multisrt.experiments.mission import world_of
     from multisrt.geometry.errors import InvalidInputError
-    from multisrt.simulation.starts import starts_of
 
     found: dict[Condition, str] = {}
     tried: dict[Condition, str] = {}
     for run in planned:
         if run.repetition:
             break
-        radio = "" if run.spec.base is None else run.condition.radio
-        alike = msgspec.structs.replace(run.condition, strategy="", radio=radio, faults="")
+        alike = msgspec.structs.replace(run.condition, faults="")
+        if run.spec.base is None:
+            alike = msgspec.structs.replace(alike, strategy="", radio="")
         if alike not in tried:
             try:
                 world = world_of(run.spec.environment)
-                starts = starts_of(run.spec, world)
+                starts = _starts(run.spec, world)
                 x, y, _ = starts[0]
                 poor = is_poor_start(world, x, y)
                 told = [base_apart(run.spec, world, starts)]
@@ -144,6 +147,28 @@ def _poor_starts(planned: Sequence[PlannedRun]) -> dict[Condition, str]:
         if tried[alike]:
             found[run.condition] = tried[alike]
     return found
+
+
+def _starts(spec: RunSpec, world: Environment) -> tuple[Configuration, ...]:
+    """Return where the robots of a run start, or raise `InvalidInputError` if it is refused."""
+    from multisrt.robots.registry import strategy
+    from multisrt.simulation.setting_up import set_up
+    from multisrt.simulation.starts import starts_of
+
+    if spec.base is None or strategy(spec.strategy).plan is not None:
+        return starts_of(spec, world)
+    # With a base station, its place and the limit of time may be refused as well.
+    return set_up(spec, world).starts
+
+
+def _by_reason(warnings: Mapping[Condition, str]) -> Iterator[str]:
+    """Yield a line for each reason, with the first condition that it is for."""
+    conditions: dict[str, list[Condition]] = {}
+    for condition, reason in warnings.items():
+        conditions.setdefault(reason, []).append(condition)
+    for reason, (first, *others) in conditions.items():
+        more = f" and {len(others)} more condition{'s' * (len(others) > 1)}" if others else ""
+        yield f"[{first}]{more}: {reason}"
 
 
 def _by_places(robots: int) -> Callable[[str], str]:

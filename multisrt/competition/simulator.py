@@ -31,8 +31,7 @@ def load(clone: Clone) -> tuple[str, ...]:
     global _replaced
     if _replaced is None:
         _replaced = install()
-        folder = clone.folder.resolve()
-        sys.path[:0] = [str(folder / "scripts"), str(folder)]
+        sys.path[:0] = [str(clone.folder / "scripts"), str(clone.folder)]
         sys.dont_write_bytecode = True  # the clone stays as it is
     return _replaced
 
@@ -96,6 +95,8 @@ def simulate(
     InvalidInputError
         If the policy raises, or names a goal that it may not.
     """
+    # The simulator is run in a folder of its own, where relative paths mean something else.
+    folder = folder.resolve()
     clone = Clone(folder, any_version=any_version)
     replaced = load(clone)
     fast = not as_it_is and source.path is None and not clone.changed

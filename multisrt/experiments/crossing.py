@@ -356,7 +356,7 @@ def _condition(choices: Choices) -> Condition:
     team = choices.team
     return Condition(
         environment=_environment_label(choices.environment),
-        strategy=choices.strategy.label or choices.strategy.name,
+        strategy=choices.strategy.shown,
         robots=team if isinstance(team, int) else len(team.members),
         team="" if isinstance(team, int) else team.label,
         starts=starts_label(choices.starts),

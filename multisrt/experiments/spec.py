@@ -96,14 +96,27 @@ class StrategyChoice(_Part, frozen=True, kw_only=True, omit_defaults=True):
     name : str
         Name of a registered strategy.
     label : str or None
-        Label in tables; None: the name.
+        Label in tables; None: the name, with the options, if there are any.
     options : dict
         Options that differ from the strategy's defaults.
+
+    Examples
+    --------
+    >>> StrategyChoice(name="minpos", options={"home": "in-time"}).shown
+    'minpos (home=in-time)'
     """
 
     name: Label
     label: Label | None = None
     options: dict[str, Scalar] = {}
+
+    @property
+    def shown(self) -> str:
+        """What it is called in tables."""
+        if self.label is not None or not self.options:
+            return self.label or self.name
+        given = ", ".join(f"{name}={value}" for name, value in self.options.items())
+        return f"{self.name} ({given})"
 
 
 class MemberChoice(_Part, frozen=True, kw_only=True, omit_defaults=True):

@@ -181,6 +181,8 @@ def _bodies(recording: Recording) -> Iterator[Moment]:
     for robot in robots:
         yield 0, Body(robot, _state(flags[robot]))
     for now, event in _by_time(recording):
+        if not isinstance(event, Joined | FellSilent | CameBack | Died):
+            continue  # A message may be the base station's, which is no body.
         own = flags[event.robot]
         before = _state(own)
         match event:

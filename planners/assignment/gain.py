@@ -207,9 +207,14 @@ class Auction:
     ) -> None:
         self._apart, self._rule, self._cost_of = apart, rule, cost_of
         self._ways, self._is_open = costs.copy(), np.isfinite(costs)
+        self._shares = self._shares_of(costs)
         self._is_bound = np.full(costs.shape, cost_of is not None)
         self._is_bound[robot] = False
         self._left = np.tile(areas, (len(costs), 1))
+
+    def _shares_of(self, ways: ArrayLike) -> FloatArray:
+        """Return the values of a square metre after some ways."""
+        return libm.power(np.asarray(ways) + self._rule.nearest_m, -self._rule.power)
 
     def is_open_to(self, robot: int) -> bool:
         """Whether there is a target that a robot could take."""
@@ -240,10 +245,8 @@ class Auction:
         Costs are computed until no pair of the highest value is a bound: a lower bound of a cost
         gives an upper bound of a value, so that no other pair has a value as high.
         """
-        rule = self._rule
         while True:
-            shares = libm.power(self._ways + rule.nearest_m, -rule.power)
-            values: FloatArray = np.where(self._is_open, self._left * shares, -1.0)
+            values: FloatArray = np.where(self._is_open, self._left * self._shares, -1.0)
             bounds = np.argwhere(self._is_bound & (values == values.max()))
             if not len(bounds):
                 return values
@@ -251,6 +254,7 @@ class Auction:
             for robot, target in bounds.tolist():
                 cost = self._cost_of(robot, target)
                 self._ways[robot, target] = cost
+                self._shares[robot, target] = self._shares_of(cost)
                 self._is_open[robot, target] = math.isfinite(cost)
                 self._is_bound[robot, target] = False
 
@@ -267,6 +271,7 @@ class Auction:
         self._is_open[:, target] = False
         self._is_bound[:, target] = self._is_bound[taker] = False
         self._ways[taker] = self._ways[taker, target] + onward
+        self._shares[taker] = self._shares_of(self._ways[taker])
 
     def leave(self, taker: int) -> None:
         """Let a robot take no more."""

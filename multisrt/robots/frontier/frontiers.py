@@ -8,8 +8,8 @@ from collections.abc import Iterable
 import numpy as np
 
 from multisrt.geometry.grids.occupancy import FrontierGroup, Occupancy
-from multisrt.geometry.numerics.distances import nearest_points
 from multisrt.geometry.numerics.arrays import BoolArray, FloatArray, IntArray
+from multisrt.geometry.numerics.distances import nearest_points
 from multisrt.robots.frontier.fields import indices_of
 from multisrt.robots.frontier.goal import Place
 
@@ -214,9 +214,7 @@ class Frontiers:
             return place
         return self._most_central(group, cells)
 
-    def _cells_in_reach(
-        self, groups: list[FrontierGroup], reach: BoolArray
-    ) -> list[FloatArray]:
+    def _cells_in_reach(self, groups: list[FrontierGroup], reach: BoolArray) -> list[FloatArray]:
         """Return the centres of each group's open cells to which there is a path."""
         centres, owner = self._open_cells(groups)
         is_in_reach = reach[tuple(indices_of(self._raster, centres).T)]

@@ -19,7 +19,7 @@ import numpy as np
 
 from multisrt.geometry.grids.unknown_area import unknown_areas
 from multisrt.geometry.numerics import libm
-from multisrt.geometry.numerics.arrays import FloatArray, IntArray
+from multisrt.geometry.numerics.arrays import FloatArray
 from multisrt.planners.assignment.gain import GainChoice, LazyCosts, Values, gain
 from multisrt.planners.assignment.gain_tours import gain_on_tours
 from multisrt.robots.frontier.options import GainOptions
@@ -39,6 +39,7 @@ def choose_gain(robot: FrontierRobot, because: str) -> Choice:
     costs = WavefrontCosts(robot, every=True)
     if not costs.is_choosable.any():
         return (yield from settle_on(robot, costs.table(), None, "gain", because))
+    costs.compute_own()
     ways = PathCosts(robot, costs)
     areas = areas_beyond(robot, costs.targets)
     chosen = _on_tours(robot, costs, ways, areas)
@@ -64,12 +65,16 @@ def _on_tours(
     options = cast(GainOptions, robot.options)
     if options.tour_weight == 0.0:
         return GainChoice(choice=None, rounds=())
+    bounds = ways.bounds()
+    own = bounds[costs.row]
+    reached = np.flatnonzero(np.isfinite(own))
     rule = Values(robot.me.range_m, options.power)
-    near = _most_valuable(costs, ways, areas + options.return_area_m2, rule)
+    values = (areas + options.return_area_m2) * libm.power(own + rule.nearest_m, -rule.power)
+    near = np.sort(reached[np.argsort(-values[reached], kind="stable")[:MAX_TARGETS]])
     targets = costs.targets[near]
     euclidean = apart(targets, targets)
     chosen = gain_on_tours(
-        LazyCosts(ways.bounds()[:, near], lambda row, target: ways.way(row, int(near[target]))),
+        LazyCosts(bounds[:, near], lambda row, target: ways.way(row, int(near[target]))),
         areas[near],
         euclidean,
         lengths_among(robot, targets, costs.costs[costs.row, near], euclidean),
@@ -81,25 +86,6 @@ def _on_tours(
     rounds = tuple((i, int(near[j]), area, value) for i, j, area, value in chosen.rounds)
     choice = None if chosen.choice is None else int(near[chosen.choice])
     return GainChoice(choice=choice, rounds=rounds)
-
-
-def _most_valuable(
-    costs: WavefrontCosts, ways: PathCosts, worth: FloatArray, rule: Values
-) -> IntArray:
-    """Return the frontiers of the highest values to the robot, ascending.
-
-    Only its costs to those are computed that could be among them: a lower bound of a way gives an
-    upper bound of a value.
-    """
-    choosable = np.flatnonzero(costs.is_choosable)
-    while True:
-        own = ways.bounds()[costs.row, choosable]
-        values = worth[choosable] * libm.power(own + rule.nearest_m, -rule.power)
-        best = choosable[np.argsort(-values, kind="stable")[:MAX_TARGETS]]
-        missing = best[~costs.are_own_known(best)]
-        if not len(missing):
-            return np.sort(best)
-        costs.compute_own(missing)
 
 
 def areas_beyond(robot: FrontierRobot, targets: FloatArray) -> FloatArray:

@@ -181,13 +181,16 @@ class FrontierHoming:
         Returns
         -------
         (m,) array of bool
-            True where no way home is known: it has to be found.
+            True where no way home is known, which has to be found, and where the base station hears
+            the robot anyway.
         """
         if math.isinf(self.time.limit_s) or not self._may_be_heard:
             return np.ones(len(places), np.bool_)
         out_s = course.time_s + costs_m / self.time.speed_m_s
         ways = zip(out_s.tolist(), self._ways.lengths(places).tolist(), strict=True)
-        return np.array([math.isinf(m) or self._has_time(s, m) for s, m in ways], np.bool_)
+        return np.array(
+            [m in (0.0, math.inf) or self._has_time(now_s, m) for now_s, m in ways], np.bool_
+        )
 
     def only_fitting(self, course: Course, places: FloatArray, costs_m: FloatArray) -> FloatArray:
         """Return the lengths of the paths to places, ``inf`` for those that it may not choose.
@@ -220,7 +223,7 @@ class FrontierHoming:
         if now_s < self._in_time_s:
             return False
         home_m = self._ways.length_from(course.at[:2])
-        if math.isinf(home_m):
+        if home_m in (0.0, math.inf):
             return False
         if not self._has_time(now_s, home_m):
             return True
@@ -245,7 +248,10 @@ class FrontierHoming:
         if pair.role is Role.ALONE:
             return False
         if pair.role is Role.RELAY:
-            return self.knows_target(course)
+            pair.knows_home = pair.knows_home or (
+                self._may_be_heard and math.isfinite(self._ways.length_from(course.at[:2]))
+            )
+            return pair.knows_home and self.knows_target(course)
         if pair.stage is Stage.UNTIL_DUE and self._is_due(course):
             pair.set_out()
         return pair.stage is not Stage.UNTIL_DUE

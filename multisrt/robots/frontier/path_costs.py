@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from functools import cached_property
 from types import EllipsisType
 from typing import Final, cast
 
@@ -28,7 +27,7 @@ class PathCosts:
     robot : FrontierRobot
         The robot that decides.
     costs : WavefrontCosts
-        Path lengths, of which its own are known or can be computed.
+        Path lengths; its own are known.
     """
 
     def __init__(self, robot: FrontierRobot, costs: WavefrontCosts) -> None:
@@ -39,26 +38,14 @@ class PathCosts:
 
     def whole(self) -> FloatArray:
         """Return the ways of all robots to all targets, ``(n, m)`` metres."""
-        self._costs.compute_own()
         self._costs.compute_others()
         return self._of(self._costs.costs)
 
     def bounds(self) -> FloatArray:
-        """Return lower bounds of the ways, ``(n, m)`` metres.
-
-        Own ways whose lengths are computed are exact, and ``inf`` to targets that the robot cannot
-        choose.
-        """
-        lengths, costs = self._least_lengths.copy(), self._costs
-        own = lengths[costs.row]
-        is_known = np.isfinite(costs.costs[costs.row])
-        own[is_known] = costs.costs[costs.row, is_known]
-        own[~costs.is_choosable] = np.inf
+        """Return own ways and lower bounds of those of the others, ``(n, m)`` metres."""
+        lengths = self._costs.lower_bounds()
+        lengths[self._costs.row] = self._costs.costs[self._costs.row]
         return self._of(lengths)
-
-    @cached_property
-    def _least_lengths(self) -> FloatArray:
-        return self._costs.lower_bounds()
 
     def way(self, row: int, target: int) -> float:
         """Return the way of a robot to a target in metres; ``inf`` if there is no path."""

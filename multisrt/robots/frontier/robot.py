@@ -15,8 +15,8 @@ from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.grids.distance_field import DistanceField
 from multisrt.geometry.grids.occupancy import Occupancy
-from multisrt.geometry.numerics.distances import inside
 from multisrt.geometry.numerics.arrays import BoolArray, FloatArray, IntArray
+from multisrt.geometry.numerics.distances import inside
 from multisrt.geometry.regions.scan import Scan
 from multisrt.planners.motion.body import PlanningBody
 from multisrt.planners.motion.kinematics import Car

@@ -107,14 +107,13 @@ class WavefrontCosts:
                 self._put_all_in_reach(self.field)
             else:
                 self._put_one_in_reach(self.field)
-            self._leave_out_late(every)
+            self._leave_out_late()
 
     def _take_targets(self) -> None:
         self.targets = self.robot.targets()
         self._indices = self.robot.indices_of(self.targets)
         self.costs = np.full((len(self.robots), len(self.targets)), np.inf)
         self.is_choosable: BoolArray = np.ones(len(self.targets), np.bool_)
-        self._are_own_known: BoolArray = np.zeros(len(self.targets), np.bool_)
         self._own_nearest: tuple[float, int] | None = None
 
     def _put_all_in_reach(self, field: DistanceField) -> None:
@@ -127,7 +126,7 @@ class WavefrontCosts:
         self.is_choosable = reach[tuple(self._indices.T)]
 
     def _put_one_in_reach(self, field: DistanceField) -> None:
-        """Find the nearest target, and look for other cells if there is none, or one is left out."""
+        """Find the nearest target; look for other cells if there is none, or one is left out."""
         self._own_nearest = self._first(self.row, np.arange(len(self.targets)), math.inf)
         is_some = self._own_nearest is not None
         if is_some and not self.robot.frontiers.leaves_out:
@@ -136,14 +135,11 @@ class WavefrontCosts:
             self._take_targets()
             self._own_nearest = self._first(self.row, np.arange(len(self.targets)), math.inf)
 
-    def _leave_out_late(self, every: bool) -> None:
+    def _leave_out_late(self) -> None:
         """Leave out of the deciding robot's own choice the targets that it has no time for."""
         if self.field is None or self.robot.homing is None:
             return
-        costs = self.robot.fitting_costs(self.field, self.targets)
-        self.is_choosable = np.isfinite(costs)
-        if every:
-            self.costs[self.row], self._are_own_known[:] = costs, True
+        self.is_choosable = np.isfinite(self.robot.fitting_costs(self.field, self.targets))
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -196,21 +192,19 @@ class WavefrontCosts:
 
         It is ``inf`` if the robot cannot reach it, or has no time for it.
         """
-        self.compute_own(np.array([target]))
+        if not self.is_choosable[target]:
+            return math.inf
+        if self.field is not None and not np.isfinite(self.costs[self.row, target]):
+            with self.robot.around_bodies():
+                self.costs[self.row, target] = self.field.distance(self._indices[[target]])[0]
         return float(self.costs[self.row, target])
 
-    def are_own_known(self, targets: IntArray) -> BoolArray:
-        """Return to which of some targets the deciding robot's costs are computed, ``(k,)``."""
-        return self._are_own_known[targets]
-
-    def compute_own(self, targets: IntArray | None = None) -> None:
-        """Compute the deciding robot's costs to some targets, by default to all."""
-        which = np.arange(len(self.targets)) if targets is None else targets
-        which = which[self.is_choosable[which] & ~self._are_own_known[which]]
-        if self.field is not None and len(which):
+    def compute_own(self) -> None:
+        """Compute the deciding robot's costs to all targets that it can choose."""
+        if self.field is not None:
             with self.robot.around_bodies():
-                self.costs[self.row, which] = self.field.distance(self._indices[which])
-            self._are_own_known[which] = True
+                costs = self.field.distance(self._indices)
+            self.costs[self.row] = np.where(self.is_choosable, costs, np.inf)
 
     def _first(self, robot: int, frontiers: IntArray, limit_m: float) -> tuple[float, int] | None:
         field = self._field_from(robot)

@@ -73,12 +73,14 @@ class Ways:
         Returns
         -------
         (m,) array
-            Metres, at most by the diagonal of a cell too long; ``inf`` where none is known.
+            Metres, at most by the diagonal of a cell too long; 0 where the base station hears the
+            robot, ``inf`` where no way is known.
         """
-        field = self._home_field()
-        if field is None:
-            return np.full(len(places), np.inf)
-        return field.distance(indices_of(self._map.raster, places))
+        lengths: FloatArray = np.where(self.contact.hears_at(places), 0.0, np.inf)
+        away, field = np.isinf(lengths), self._home_field()
+        if field is not None and away.any():
+            lengths[away] = field.distance(indices_of(self._map.raster, places[away]))
+        return lengths
 
     def length_from(self, place: Place) -> float:
         """Return the length of the way home from where the robot stands, in metres."""

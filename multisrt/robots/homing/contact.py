@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
+from multisrt.geometry.numerics.arrays import BoolArray, FloatArray
 from multisrt.geometry.numerics.distances import inside
 from multisrt.robots.knowledge import Entries, Node, NodeId
 from multisrt.robots.robot_self import RobotSelf
@@ -88,5 +91,12 @@ class ContactPlaces:
         return self._sees_through or inside(node.region.boundary, *self.base)
 
     def hears(self, x: float, y: float) -> bool:
-        """Whether the base station hears a robot at any place here; False where walls matter."""
-        return self._sees_through and math.dist((x, y), self.base) <= self._range_m
+        """Whether the base station hears a robot at a place, on a map or not; see `hears_at`."""
+        return bool(self.hears_at(np.array([[x, y]]))[0])
+
+    def hears_at(self, places: FloatArray) -> BoolArray:
+        """Return at which places, ``(m, 2)``, it hears a robot; False where walls matter."""
+        if not self._sees_through:
+            return np.zeros(len(places), np.bool_)
+        near: BoolArray = np.hypot(*(places - self.base).T) <= self._range_m
+        return near

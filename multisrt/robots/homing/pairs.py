@@ -21,6 +21,7 @@ makes an explorer of a relay; so nobody waits for ever. ::
                    +---------- met -------------+---------------------+
 
 They meet by radio: a relay on its way to its explorer that hears of news tells it that it is ready.
+Until it knows a way home it explores like any robot, and takes no news.
 The explorer chooses its next goal and proposes an appointment, again and again until the relay has
 all that the explorer knows, and accepts. Both then keep the new appointment; where the acceptance
 is lost, the explorer keeps the last one, at whose place the relay looks for it in the end, as that
@@ -159,6 +160,8 @@ class Pair:
         Explorer: what it has proposed and the relay has not yet accepted.
     accepted : bool
         Explorer: whether the last proposal was accepted.
+    knows_home : bool
+        Relay: whether it knows a way to where the base station hears it.
 
     Examples
     --------
@@ -184,6 +187,7 @@ class Pair:
         self.stage = Stage.PLACE if self.role is Role.RELAY else Stage.UNTIL_DUE
         self.proposed: Appointment | None = None
         self.accepted = False
+        self.knows_home = False
         self._period_s = period_s
         self._ready_s = -math.inf
 
@@ -259,7 +263,7 @@ class Pair:
     def is_ready(self, now_s: float, period_s: float) -> bool:
         """Whether to tell the explorer that the relay is here, and record that it is done."""
         waits = self.role is Role.RELAY and self.stage is not Stage.UNTIL_DUE
-        if not waits or now_s < self._ready_s + period_s:
+        if not (waits and self.knows_home) or now_s < self._ready_s + period_s:
             return False
         self._ready_s = now_s
         return True

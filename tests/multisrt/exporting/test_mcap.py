@@ -16,7 +16,7 @@ from rosbags.interfaces import ConnectionExtRosbag2, QosDurability, QosReliabili
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 import multisrt as ms
-from multisrt.events import Died, Joined, Motion, NodeAdded
+from multisrt.events import Died, Joined, Motion, NodeAdded, Sent
 from multisrt.explain.srt import explain_all
 from multisrt.exporting.ros_definitions import DEFINITIONS, definition_of
 from multisrt.planners.motion.trajectory import leg_pose
@@ -348,3 +348,13 @@ def test_odd_names_of_worlds_are_kept(tmp_path):
     assert len(read_with_mcap(tmp_path / "odd.mcap")) == len(
         read_with_rosbags(tmp_path / "odd.mcap")
     )
+
+
+def test_a_run_with_a_base_station_that_answers_is_exported(tmp_path):
+    run = ms.explore("apartment", robots=2, starts="clustered", base=(2.5, 2.0), max_time_s=6.0)
+    assert any(event.robot == 2 for event in run.recording.of(Sent)), "the base station sends"
+    run.export(tmp_path / "base.mcap", OPTIONS)
+    topics = read_with_mcap(tmp_path / "base.mcap")
+    assert {topic for topic in topics if "robot" in topic} == {
+        topic for topic in topics if topic.startswith(("/robot_0", "/robot_1"))
+    }

@@ -589,6 +589,35 @@ def test_a_pair_that_begins_apart_from_the_base_finds_it_first():
     assert metrics.coverage > 0.9
 
 
+def test_a_relay_that_knows_no_way_home_explores_and_takes_no_news():
+    # 29 m from the base station, which hears it at 5 m: half a metre a second takes it there.
+    recording = go(
+        WIDE,
+        (30.0, 1.2),
+        (31.0, 1.2),
+        strategy="minpos",
+        base=(1.0, 1.2),
+        home="relays",
+        limit_s=76.0,
+        radio=RadioSpec(range_m=5.0),
+    )
+    near = [e.time_s for e in recording.of(NodeAdded) if e.configuration[0] < 6.0]
+    meetings = [e.time_s for e in recording.of(Decided) if "meet" in e.text]
+    assert 0.0 < min(near) <= min(meetings)
+    chosen = [e for e in recording.of(GoalChosen) if e.robot == 1 and e.time_s < min(near)]
+    assert any(event.goal is not None for event in chosen)
+
+
+def test_where_the_base_hears_a_robot_anyway_it_needs_no_time_to_go_home():
+    recordings = [
+        go(WIDE, (1.0, 1.2), strategy="minpos", home=home, limit_s=60.0, radio=RadioSpec())
+        for home in ("never", "in-time")
+    ]
+    assert recordings[1].footer.outcome == "out_of_time"
+    ends = [[motion.waypoints[-1] for motion in run.of(Motion)] for run in recordings]
+    assert ends[0] == ends[1]
+
+
 # All rules ---------------------------------------------------------------------------------------
 
 

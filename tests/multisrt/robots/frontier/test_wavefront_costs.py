@@ -3,10 +3,8 @@
 from contextlib import nullcontext
 from types import SimpleNamespace
 from typing import Any
-from unittest import mock
 
 import numpy as np
-import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
@@ -18,8 +16,6 @@ from multisrt.planners.assignment.gain import LazyCosts, Values
 from multisrt.planners.assignment.gain_tours import gain_on_tours
 from multisrt.planners.assignment.greedy import greedy
 from multisrt.planners.assignment.minpos import minpos
-from multisrt.robots.frontier import gain as gain_module
-from multisrt.robots.frontier.path_costs import PathCosts
 from multisrt.robots.frontier.wavefront_costs import WavefrontCosts, full_table
 
 ROWS, COLUMNS = 12, 15
@@ -134,42 +130,6 @@ def test_gain_chooses_as_on_the_full_table(situation, areas):
     ]
     assert chosen[0].choice == chosen[1].choice
     assert chosen[0].rounds == chosen[1].rounds
-
-
-class Lengths(PathCosts):
-    """Path lengths without turns and goals."""
-
-    def __init__(self, costs):
-        self._costs = costs
-        self._turns_m = self._nearer_m = np.zeros(costs.shape)
-
-
-@given(
-    situations(others_are_free=False),
-    st.lists(st.sampled_from([0.5, 1.0, 2.5, 9.0]), min_size=6, max_size=6),
-    st.integers(1, 6),
-)
-def test_gain_compares_the_most_valuable_frontiers_and_no_more(situation, areas, most):
-    whole = full_table(grid_robot(*situation)).costs[0]
-    lazy = WavefrontCosts(grid_robot(*situation), every=True)
-    worth, rule = np.array(areas)[: len(whole)], Values(4.0)
-    with mock.patch.object(gain_module, "MAX_TARGETS", most):
-        found = gain_module._most_valuable(lazy, Lengths(lazy), worth, rule)
-    values = worth / (whole + rule.nearest_m) ** rule.power
-    best = np.sort(values[np.isfinite(whole)])[::-1][:most]
-    assert np.sort(values[found])[::-1] == pytest.approx(best)
-    assert lazy.costs[0, found] == pytest.approx(whole[found])
-
-
-def test_paths_to_frontiers_that_cannot_be_among_the_most_valuable_are_not_computed():
-    passable = np.ones((3, 200), np.bool_)
-    robot = grid_robot(passable, [(1, 1)], [(1, 10), (1, 20), (1, 199)])
-    lazy = WavefrontCosts(robot, every=True)
-    with mock.patch.object(gain_module, "MAX_TARGETS", 2):
-        found = gain_module._most_valuable(lazy, Lengths(lazy), np.ones(3), Values(4.0))
-    assert found.tolist() == [0, 1]
-    assert np.isinf(lazy.costs[0, 2])
-    assert np.isinf(robot.marched[0].reached()[1, 60:]).all()
 
 
 @given(situations())

@@ -194,6 +194,7 @@ def pair_of(number, team=2):
 
 def test_a_pair_agrees_on_the_next_place_with_the_last_as_backup():
     explorer, relay = pair_of(0), pair_of(1)
+    relay.knows_home = True
     for k, place in enumerate([(9.0, 1.0), (20.0, 1.0)], start=1):
         relay.set_out()
         assert relay.is_ready(10.0 * k, 0.5)
@@ -263,6 +264,8 @@ def test_an_explorer_that_is_done_lets_its_relay_go():
 
 def test_a_relay_says_that_it_is_ready_once_a_period_and_on_its_way_out_only():
     relay = pair_of(1)
+    assert not relay.is_ready(0.4, 0.5), "it knows no way home"
+    relay.knows_home = True
     assert [relay.is_ready(t, 0.5) for t in (1.0, 1.2, 1.6)] == [True, False, True]
     relay.stage = Stage.UNTIL_DUE
     assert not relay.is_ready(9.0, 0.5)

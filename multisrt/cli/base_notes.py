@@ -1,7 +1,8 @@
-"""Notes on a base station that robots do not reach, or that nothing was delivered to."""
+"""Notes on a base station that robots do not reach, or that lacks news."""
 
 from __future__ import annotations
 
+from collections import Counter
 from typing import TYPE_CHECKING
 
 from multisrt.environments.area_text import area_text
@@ -12,6 +13,7 @@ if TYPE_CHECKING:
     from multisrt.environments.environment import Environment
     from multisrt.finished_run import Run
     from multisrt.geometry.configuration import Configuration
+    from multisrt.recording import Recording
     from multisrt.spec import RunSpec
 
 BODY_LENGTHS = 2.0
@@ -80,8 +82,10 @@ def base_apart(spec: RunSpec, environment: Environment, starts: Sequence[Configu
     return f"{said}; it learns only what reaches it by radio from elsewhere"
 
 
-def nothing_delivered(run: Run) -> str:
-    """Return a note if the base station learned nothing; empty if it did, or there is none.
+def not_delivered(run: Run) -> str:
+    """Return a note if the base station learned nothing, or lacks news of robots that bring it.
+
+    It is empty if there is nothing to tell, or no base station.
 
     Parameters
     ----------
@@ -100,7 +104,7 @@ def nothing_delivered(run: Run) -> str:
     >>> run = ms.explore(
     ...     "open", starts=[(1.0, 1.0)], base=(9.0, 9.0), radio_range_m=2.0, max_time_s=5.0
     ... )
-    >>> nothing_delivered(run)
+    >>> not_delivered(run)
     'the base station learned nothing: no robot was in reach of its radio (2 m); robots go there \
 with --option home=in-time'
     """
@@ -111,8 +115,10 @@ with --option home=in-time'
     from multisrt.robots.registry import strategy
 
     recording, spec = run.recording, run.spec
-    if spec.base is None or recording.of(BaseLearned):
+    if spec.base is None:
         return ""
+    if recording.of(BaseLearned):
+        return _lacking(recording)
     said = "the base station learned nothing"
     sends_nodes = bool(recording.of(NodeAdded)) and bool(recording.of(Sent))
     if not sends_nodes:
@@ -142,3 +148,26 @@ with --option home=in-time'
             "there in time; allow more with --max-time, or start robots nearer to it"
         )
     return f"{said}; they ended before they found a way there"
+
+
+def _lacking(recording: Recording) -> str:
+    """Return which robots that live ended with scans that the base station lacks, if they bring it.
+
+    Without an option `home` robots bring nothing, and what is lacking is a measure of the run.
+    """
+    from multisrt.events import BaseLearned, Died, NodeAdded
+    from multisrt.robots.naming import named_robots
+
+    if recording.spec.options.get("home", "never") == "never":
+        return ""
+    known = {tuple(name) for event in recording.of(BaseLearned) for name in event.nodes}
+    dead = {event.robot for event in recording.of(Died)}
+    counts = Counter(
+        node.robot
+        for node in recording.of(NodeAdded)
+        if node.robot not in dead and (node.robot, node.serial) not in known
+    )
+    if not counts:
+        return ""
+    robots = named_robots(counts)
+    return f"{robots} did not bring home {counts.total()} of their scans: see multisrt why"

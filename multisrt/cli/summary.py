@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from multisrt.cli.base_notes import base_apart, nothing_delivered
+from multisrt.cli.base_notes import base_apart, not_delivered
 from multisrt.cli.reach import MIN_SHARE, elsewhere
 from multisrt.cli.tables import show, show_blocks, table
 
@@ -84,7 +84,7 @@ def print_summary(
         click.echo(f"{spec.strategy} in {run.environment.name}{many}, seed {spec.seed}: ", nl=False)
         click.echo(_ended(run))
         click.echo(f"  {run.reason}")
-        if said := nothing_delivered(run):
+        if said := not_delivered(run):
             click.echo(f"  {said}")
     _print_reach(runs[0])
     if details or regrets or len(runs) <= MAX_WIDE:

@@ -7,7 +7,7 @@ import textwrap
 from collections.abc import Iterator, Sequence
 from typing import Final
 
-from multisrt.events import GoalChosen
+from multisrt.events import Decided, GoalChosen
 from multisrt.explain.story import ChoiceStory
 from multisrt.explain.terms import RULES
 from multisrt.explain.words import because, bid_choice, decision_lines, many, place
@@ -106,6 +106,9 @@ class _BidStory(ChoiceStory[GoalChosen]):
 
     def reason(self) -> Iterator[str]:
         yield f"{self.choice.because}: {because(self.choice)}"
+        errands = [event for event in self.before if isinstance(event, Decided)]
+        if errands and self.choice.because.startswith("errand"):
+            yield f"the errand, from {errands[-1].time_s:.2f} s on: {errands[-1].text}"
         last = [event for event in self.before if isinstance(event, GoalChosen)]
         if last:
             goal = last[-1].goal
@@ -157,7 +160,7 @@ class _BidStory(ChoiceStory[GoalChosen]):
             yield f"{left_out} of {len(choice.frontiers)} frontiers are not shown"
         yield ">: its own row, *: its choice, -: no path or not computed"
         if self.home in LEFT_OUT:
-            yield f"-, in its own row: or left out, as {LEFT_OUT[self.home]}"
+            yield f"its choice is among those that are not left out, as {LEFT_OUT[self.home]}"
         yield self._row("frontier", [f"{k}{'*' * (k == self._chosen())}" for k in shown])
         yield self._row("x (m)", [f"{choice.frontiers[k][0]:.2f}" for k in shown])
         yield self._row("y (m)", [f"{choice.frontiers[k][1]:.2f}" for k in shown])

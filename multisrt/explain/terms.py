@@ -79,9 +79,8 @@ REASONS: Final[dict[str, str]] = {
     "stop signal": "another robot reported that its goal was no longer a frontier",
     "assigned": "another robot took over its last goal, and gave it its own",
     "called on": "it was done, and heard something new",
-    "errand": "it had an errand: to bring news home, to meet or go after another robot, or to take "
-    "its place in a chain of relays",
-    "errand over": "its errand was over: done, not needed any more, or in vain",
+    "errand": "it had an errand",
+    "errand over": "its errand was over",
 }
 """Why robots that bid for frontiers chose a goal, by `because` of `GoalChosen`."""
 

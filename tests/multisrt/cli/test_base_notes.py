@@ -4,9 +4,10 @@ import pytest
 import shapely
 
 import multisrt as ms
-from multisrt.cli.base_notes import base_apart, nothing_delivered
+from multisrt.cli.base_notes import base_apart, not_delivered
 from multisrt.cli.summary import print_summary
 from multisrt.environments.environment import Environment
+from multisrt.events import BaseLearned, NodeAdded
 from multisrt.geometry.configuration import Configuration
 
 ROOMS = Environment("rooms", shapely.union_all([shapely.box(0, 0, 2, 2), shapely.box(3, 0, 13, 4)]))
@@ -81,7 +82,7 @@ def test_a_limit_too_short_to_find_the_way_is_told(capsys, tmp_path):
         "time limit of 90 s, as none found a way there in time; allow more with --max-time, or "
         "start robots nearer to it"
     )
-    assert nothing_delivered(run) == said
+    assert not_delivered(run) == said
     print_summary([run], [tmp_path])
     assert f"  {said}" in capsys.readouterr().out.splitlines()
 
@@ -106,7 +107,7 @@ def test_without_the_option_it_is_named_where_there_is_one(strategy, said):
         radio_range_m=1.0,
         max_time_s=3.0,
     )
-    assert nothing_delivered(run) == f"the base station learned nothing{said}"
+    assert not_delivered(run) == f"the base station learned nothing{said}"
 
 
 def test_a_base_behind_a_wall_is_told_twice(capsys, tmp_path):
@@ -135,7 +136,7 @@ def test_lost_messages_are_told_of_robots_that_were_in_reach():
         max_time_s=5.0,
         seed=1,
     )
-    assert nothing_delivered(run) == (
+    assert not_delivered(run) == (
         "the base station learned nothing, though robots were in reach of its radio for 5.0 s: no "
         "message with nodes arrived"
     )
@@ -143,10 +144,10 @@ def test_lost_messages_are_told_of_robots_that_were_in_reach():
 
 def test_nothing_is_said_of_a_base_that_learned():
     run = ms.explore("open", strategy="minpos", starts=[(1.0, 1.0)], base=(2.0, 2.0), max_time_s=5)
-    assert nothing_delivered(run) == ""
+    assert not_delivered(run) == ""
     assert base_apart(run.spec, run.environment, run.recording.starts) == ""
     alone = ms.explore("open", strategy="minpos", max_time_s=5.0)
-    assert nothing_delivered(alone) == base_apart(alone.spec, alone.environment, []) == ""
+    assert not_delivered(alone) == base_apart(alone.spec, alone.environment, []) == ""
 
 
 def test_experiment_check_warns_of_a_base_apart(call, folder):
@@ -160,3 +161,24 @@ def test_experiment_check_warns_of_a_base_apart(call, folder):
     (warning,) = err.splitlines()
     assert code == 0
     assert "no robot can drive to the base station (1, 1), which is in another part" in warning
+
+
+def test_robots_that_ended_with_news_are_told():
+    # Robot 0 is 4.8 m from the base station as the crow flies, and 80 m by the way round.
+    run = ms.explore(
+        BEND,
+        strategy="minpos",
+        starts=[(1.0, 0.6), (3.0, 5.4)],
+        base=(1.0, 5.4),
+        radio_range_m=3.0,
+        max_time_s=40.0,
+        options=IN_TIME,
+    )
+    lacking = {0: 0, 1: 0}
+    known = {name for event in run.recording.of(BaseLearned) for name in event.nodes}
+    for node in run.recording.of(NodeAdded):
+        lacking[node.robot] += (node.robot, node.serial) not in known
+    assert lacking[0] > 0
+    robots = "robots 0 and 1" if lacking[1] else "robot 0"
+    told = f"{robots} did not bring home {sum(lacking.values())} of their scans: see multisrt why"
+    assert not_delivered(run) == told

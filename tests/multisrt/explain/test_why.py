@@ -10,6 +10,7 @@ from multisrt.events import (
     Blocked,
     CameBack,
     Coordinated,
+    Decided,
     Decision,
     Died,
     Ended,
@@ -527,16 +528,22 @@ def test_what_a_missing_length_may_mean_is_told(home, said):
     recording = recorder_of(BIDS, "minpos", home=home).finish(9.0, "complete", "")
     table = part(explain(recording, 1, 7.0), "How it chose: minpos").splitlines()
     told = [line.strip() for line in table if "left out" in line]
-    assert told == ([] if said is None else [f"-, in its own row: or left out, as {said}"])
+    assert told == (
+        [] if said is None else [f"its choice is among those that are not left out, as {said}"]
+    )
 
 
-def test_errands_of_all_kinds_are_reasons():
-    # The same words are said of robots that go home, in chains and in pursuit.
-    told = (chosen(8.5, 1, None, because="errand"), chosen(8.7, 1, None, because="errand over"))
+def test_the_errand_that_was_a_reason_is_named():
+    told = (
+        chosen(8.5, 1, None, because="errand"),
+        Decided(time_s=8.6, robot=1, text="goes home: there is no time"),
+        chosen(8.7, 1, None, because="errand over"),
+    )
     recording = recorder_of((*BIDS[:-1], *told), "minpos").finish(9.0, "complete", "")
-    before, after = (part(explain(recording, 1, t), "Why it chose again") for t in (8.6, 8.8))
-    assert "home, to meet or go after another robot, or to take its place in a chain" in before
-    assert "errand over: its errand was over: done, not needed any more, or in vain" in after
+    before, after = (part(explain(recording, 1, t), "Why it chose again") for t in (8.55, 8.8))
+    assert before.splitlines()[0].strip() == "errand: it had an errand"
+    assert "the errand, from" not in before
+    assert "the errand, from 8.60 s on: goes home: there is no time" in after
 
 
 def test_all_choices_of_goals(bidding):

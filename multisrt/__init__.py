@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from multisrt.environments.formats import read_environment
     from multisrt.experiments.frames import load_results
     from multisrt.experiments.results import Result, Results
-    from multisrt.experiments.spec import ExperimentSpec
+    from multisrt.experiments.spec import ExperimentSpec, StrategyChoice
     from multisrt.exporting import save_environment
     from multisrt.finished_run import Run
     from multisrt.geometry.bodies.footprint import Footprint
@@ -85,6 +85,7 @@ _HOMES = {
     "Stepper": "stepper",
     "StopRule": "spec",
     "Strategy": "robots.strategy",
+    "StrategyChoice": "experiments.spec",
     "SuiteEnvironment": "spec",
     "area_known_to_one": "analysis.known_area",
     "catalog": "environments.catalog",
@@ -131,6 +132,7 @@ __all__ = [
     "Stepper",
     "StopRule",
     "Strategy",
+    "StrategyChoice",
     "SuiteEnvironment",
     "area_known_to_one",
     "catalog",

@@ -46,7 +46,7 @@ INSTEAD = {
     "range_m": "range_finder=ms.RangeFinderSpec(range_m=METRES)",
     "beams": "range_finder=ms.RangeFinderSpec(beams=NUMBER)",
     "radio_range_m": "radios=METRES",
-    "options": "multisrt.experiments.spec.StrategyChoice(name=NAME, options={...}) as strategy",
+    "options": "multisrt.StrategyChoice(name=NAME, options={...}) as strategy",
     **OF_MAP_FILES,
 }
 """Keywords of `multisrt.explore` that `compare` takes in a different form."""

@@ -30,6 +30,8 @@ class Measure:
         Computes the value of a run that was measured; None where it has none.
     digits : int
         Digits after the point in tables.
+    needs_success : bool
+        Whether the value of an unsuccessful run is that of a failure, where lower is better.
     """
 
     name: str
@@ -38,6 +40,7 @@ class Measure:
     lower_is_better: bool
     get: Callable[[Result], float | None]
     digits: int = 1
+    needs_success: bool = True
 
     def of(self, result: Result) -> float | None:
         """Return the value of a run.
@@ -70,7 +73,8 @@ class Measure:
         list of float
             One value for each run. Where lower is better, an unsuccessful run is ``inf``,
             worse than all others: its times and distances are not those of an exploration. Where
-            higher is better, it has the value it reached, or 0 if it was not measured.
+            higher is better or the measure needs no success, it has the value it reached, or the
+            worst one if it was not measured.
         """
         return [self._value(result) for result in results]
 
@@ -85,9 +89,10 @@ class Measure:
         Returns
         -------
         bool
-            Whether it has a value and, where lower is better, is a success.
+            Whether it has a value and, where lower is better and that is needed, is a success.
         """
-        return self.of(result) is not None and (not self.lower_is_better or result.success)
+        needs_success = self.lower_is_better and self.needs_success
+        return self.of(result) is not None and (not needs_success or result.success)
 
     def _value(self, result: Result) -> float:
         value = self.of(result)
@@ -109,6 +114,7 @@ def _measure(
     *,
     lower_is_better: bool = True,
     digits: int = 1,
+    needs_success: bool = True,
 ) -> Measure:
     """Return a measure of the metrics of a run, by default the one of its name."""
     read: Callable[[Metrics], float | None] = get or attrgetter(name)
@@ -119,6 +125,7 @@ def _measure(
         lower_is_better=lower_is_better,
         get=lambda result: None if result.metrics is None else read(result.metrics),
         digits=digits,
+        needs_success=needs_success,
     )
 
 
@@ -176,7 +183,13 @@ MEASURES = (
     _measure("delivered_90_s", "Time to 90 % delivered to the base", "s"),
     _measure("delivered_95_s", "Time to 95 % delivered to the base", "s"),
     _measure("delivered_99_s", "Time to 99 % delivered to the base", "s"),
-    _measure("base_age_s", "Mean time between covering and delivery to the base", "s"),
+    # Of an exploration that ends early, too: what was never delivered counts until the horizon.
+    _measure(
+        "base_age_s",
+        "Mean time between covering and delivery to the base",
+        "s",
+        needs_success=False,
+    ),
     _measure("carrying_s", "Time in which a robot held news for the base, mean", "s"),
     _measure("overlap_share", "Share seen by several robots", "", digits=3),
     _measure("lost_area_m2", "Area lost with robots that died", "m2"),

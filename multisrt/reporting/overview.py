@@ -28,6 +28,10 @@ COLUMNS = {
 """Headings of the measures in the table, by name."""
 
 
+SHARES = {"coverage": "covered", "delivered_coverage": "delivered"}
+"""Headings of the shares in the table, by name; without a base station nothing is delivered."""
+
+
 def overview_table(results: Results, *, baseline: str | None = None) -> Table:
     """Return the table of a comparison: a row for each setting and strategy.
 
@@ -41,8 +45,8 @@ def overview_table(results: Results, *, baseline: str | None = None) -> Table:
     Returns
     -------
     Table
-        Successful runs, and medians of the coverage, the time to 95 %, both ends of the
-        exploration, and the distance.
+        Successful runs, and medians of the coverage, of what was delivered to a base station, the
+        time to 95 %, both ends of the exploration, and the distance.
 
     Raises
     ------
@@ -60,6 +64,10 @@ def overview_table(results: Results, *, baseline: str | None = None) -> Table:
     return overview(Study(results, baseline))
 
 
+DELIVERED = ", and known to the base station"
+"""Of the area in the notes."""
+
+
 def overview(study: Study) -> Table:
     """Return the table of a study; see `overview_table`."""
     measures = [measure_named(name) for name in COLUMNS]
@@ -71,12 +79,13 @@ def overview(study: Study) -> Table:
     named = [labels(study, setting) for setting in study.settings]
     # What all rows have in common is in the title.
     varying = [column for column in (0, 1) if len({label[column].text for label in named}) > 1]
+    shares = {name: heading for name, heading in SHARES.items() if _has(study, name)}
     rows = [
         (
             *(label[column] for column in varying),
             Cell(text=strategy),
             _success(study, setting, strategy),
-            _coverage(study, setting, strategy),
+            *(_share(study, measure_named(name), setting, strategy) for name in shares),
             *(
                 _median(study, m, setting, strategy, compared.get((m.name, setting, strategy)))
                 for m in measures
@@ -93,7 +102,7 @@ def overview(study: Study) -> Table:
             *(("World", "Team")[column] for column in varying),
             "Strategy",
             "success",
-            "covered",
+            *shares.values(),
             *COLUMNS.values(),
         ),
         rows=tuple(rows),
@@ -105,8 +114,9 @@ def overview(study: Study) -> Table:
 def _notes(study: Study, main: Measure, rows: Sequence[Sequence[Cell]]) -> tuple[str, ...]:
     notes = [
         f"Success: {success_words(study.results)}. The other columns are medians: the area "
-        "covered; the time to 95 % of it; the time at which a robot knows its map complete, and at "
-        "which all are done; the distance of all robots."
+        f"covered{DELIVERED if _has(study, 'delivered_coverage') else ''}; the time to 95 % of it; "
+        "the time at which a robot knows its map complete, and at which all are done; the distance "
+        "of all robots."
     ]
     if any(found.kind != "none" for found in study.comparisons(main)):
         notes.append(significance_note(study, main))
@@ -138,8 +148,14 @@ def _success(study: Study, setting: Condition, strategy: str) -> Cell:
     )
 
 
-def _coverage(study: Study, setting: Condition, strategy: str) -> Cell:
-    found = study.summary(measure_named("coverage"), setting, strategy)
+def _has(study: Study, name: str) -> bool:
+    """Return whether any run has a value of a measure."""
+    measure = measure_named(name)
+    return any(measure.of(result) is not None for result in study.results)
+
+
+def _share(study: Study, measure: Measure, setting: Condition, strategy: str) -> Cell:
+    found = study.summary(measure, setting, strategy)
     if found is None:
         return Cell(text="", sort=0.0)
     return Cell(

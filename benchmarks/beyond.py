@@ -33,6 +33,7 @@ from multisrt.experiments.spec import (
     StrategyChoice,
 )
 from multisrt.presets.summary import markdown_table
+from multisrt.recording.files import atomic_write
 from multisrt.statistics.families import paired_family
 from multisrt.statistics.intervals import Interval
 from multisrt.statistics.rank_tests import RankTest, corrected, paired
@@ -446,7 +447,9 @@ def main() -> None:
         ms.compare(spec, store=given.store, workers=given.workers)
     elif given.command == "unite":
         held = [given.table] if given.table.exists() else []
-        united([read(file) for file in (*held, *given.files)]).to_csv(given.table, index=False)
+        runs = united([read(file) for file in (*held, *given.files)])
+        with atomic_write(given.table) as file:
+            runs.to_csv(file, index=False)
     else:
         print("\n".join(page(united([read(file) for file in given.files]))))
 

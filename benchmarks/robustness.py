@@ -1,8 +1,9 @@
-"""Outcomes of teams with faults: ``python -m benchmarks.robustness robustness.sqlite``.
+"""Outcomes of teams with faults: ``python -m benchmarks.robustness robustness robustness.sqlite``.
 
 Prints in Markdown a row for every strategy of the experiment `examples/robustness.toml`, or
-`examples/robustness_news.toml` for the store `robustness_news.sqlite`, and the reasons of runs that
-were not complete. The exit code is 1 if any run collided, ran out of time or did not end.
+`examples/robustness_news.toml` for ``robustness_news``, and the reasons of runs that were not
+complete. Of several files, each may have some of the strategies. The exit code is 1 if any run
+collided, ran out of time or did not end.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from __future__ import annotations
 import argparse
 import re
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
@@ -17,12 +19,13 @@ import pandas as pd
 
 from multisrt import load_results
 from multisrt.presets.summary import markdown_table
+from multisrt.recording.files import atomic_write
 
 TITLES: Final = {
     "robustness": "Teams whose robots die, fall silent or come late",
     "robustness_news": "Teams that bring news home, whose robots die, fall silent or come late",
 }
-"""Titles of the pages, by the name of the experiment file."""
+"""Titles of the pages, by experiment."""
 
 ENDED = ("complete", "stalled")
 COLUMNS = (
@@ -44,13 +47,30 @@ COLUMNS = (
 def main() -> None:
     """Print the page; exit with 1 if a run collided or did not end."""
     parser = argparse.ArgumentParser(description="outcomes of teams with faults")
-    parser.add_argument("results", help="the store of `multisrt experiment run`")
-    store = Path(parser.parse_args().results)
-    if store.stem not in TITLES:
-        parser.error(f"the store of {' or '.join(TITLES)} is named after it, with .sqlite")
-    results = load_results(store)
-    print("\n".join(page(results, store.stem)))
+    parser.add_argument("experiment", choices=TITLES, help="the experiment")
+    parser.add_argument("files", type=Path, nargs="+", help="its stores, or tables of its runs")
+    parser.add_argument("--table", type=Path, help="CSV file that the runs are written to")
+    given = parser.parse_args()
+    results = latest([read(file) for file in given.files])
+    if given.table is not None:
+        with atomic_write(given.table) as file:
+            results.to_csv(file, index=False)
+    print("\n".join(page(results, given.experiment)))
     sys.exit(0 if is_right(results) else 1)
+
+
+def read(file: Path) -> pd.DataFrame:
+    """Return the runs of a table, or of the store of an experiment."""
+    return pd.read_csv(file) if file.suffix == ".csv" else load_results(file)
+
+
+def latest(tables: Sequence[pd.DataFrame]) -> pd.DataFrame:
+    """Return the runs of several tables: of a strategy in more than one, those of the last."""
+    last = {name: k for k, runs in enumerate(tables) for name in runs["strategy"].unique()}
+    parts = [runs[runs["strategy"].map(last) == k] for k, runs in enumerate(tables)]
+    order = {name: k for k, name in enumerate(last)}
+    whole = pd.concat(parts, ignore_index=True)
+    return whole.sort_values("strategy", key=lambda names: names.map(order), kind="stable")
 
 
 def is_right(results: pd.DataFrame) -> bool:
@@ -73,7 +93,7 @@ def page(results: pd.DataFrame, experiment: str) -> list[str]:
         f"# {TITLES[experiment]}",
         "",
         f"Made with `multisrt experiment run examples/{experiment}.toml` and "
-        f"`python -m benchmarks.robustness {experiment}.sqlite`.",
+        f"`python -m benchmarks.robustness {experiment} {experiment}.sqlite`.",
         "",
         f"{len(results):,} runs in {', '.join(sorted(results['environment'].unique()))}, with "
         "faults of their own each. Half of the teams start together, with walls that block the "

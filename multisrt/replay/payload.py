@@ -18,9 +18,10 @@ from multisrt.analysis.run_tables import coverage_curve
 from multisrt.drawing.account import outcome_told
 from multisrt.environments.environment import Environment
 from multisrt.events import NodeAdded, Sensed
+from multisrt.explain.conditions import conditions, deaths
 from multisrt.recording import Recording
-from multisrt.replay.conditions import conditions, deaths, with_labels
 from multisrt.replay.event_text import packed_explanations, packed_log
+from multisrt.replay.labels import with_labels
 from multisrt.replay.moving import packed_bridges, packed_goals, packed_robots
 from multisrt.replay.nodes import (
     Names,

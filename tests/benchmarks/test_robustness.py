@@ -1,7 +1,7 @@
 import pandas as pd
 import pytest
 
-from benchmarks.robustness import is_right, kind_of, page
+from benchmarks.robustness import is_right, kind_of, latest, page
 
 BOXED_IN = "boxed in by others, which do not give way"
 IN_THE_WAY = "others, which do not answer, stand in the way to some m of frontier"
@@ -67,3 +67,11 @@ def test_runs_that_do_not_end_are_not_right():
     assert not is_right(results(delivered=0.5, status="out_of_time"))
     reasons = page(results(delivered=0.5, status="out_of_time"), "robustness")
     assert f"| relays | out_of_time | {BOXED_IN} | 2 |" in reasons[-1]
+
+
+def test_of_a_strategy_in_several_tables_the_last_counts():
+    old, new = results(delivered=0.5), results(delivered=0.25)
+    other = results(delivered=1.0).assign(strategy="worth")
+    found = latest([pd.concat([old, other]), new])
+    assert found["strategy"].tolist() == ["relays", "relays", "worth", "worth"]
+    assert found["delivered_coverage"].tolist() == [0.25, 0.25, 1.0, 1.0]

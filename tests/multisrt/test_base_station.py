@@ -23,9 +23,9 @@ from multisrt.events import BaseLearned, NodeAdded, Sent
 from multisrt.experiments.crossing import runs
 from multisrt.experiments.from_keywords import from_keywords
 from multisrt.experiments.measures import MEASURES, measure_named
+from multisrt.explain.conditions import conditions
 from multisrt.explain.moments import moments
 from multisrt.geometry.numerics.kernel import FloatArray
-from multisrt.replay.conditions import conditions
 from multisrt.replay.payload import payload
 from multisrt.spec.keywords import base_of
 from tests.multisrt.drawing.pictures import SVG, layers, lines, paths, texts

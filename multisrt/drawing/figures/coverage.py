@@ -1,4 +1,4 @@
-"""Coverage against time: a curve for each strategy, with quartiles of several runs."""
+"""Coverage against time: a curve for each strategy, with quartiles of repeated runs."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from multisrt.drawing.axes import plot_steps
 from multisrt.drawing.figures.style import FigureStyle, freeze, legend_below, new_figure
 from multisrt.drawing.looks import look_of
 from multisrt.drawing.svg import printable
+from multisrt.explain.conditions import conditions
 from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.recording import Recording
 from multisrt.statistics.curves import StepCurve, common_grid, curve_bands
@@ -34,34 +35,34 @@ def draw_coverage(recordings: Sequence[Recording], ax: Axes) -> list[Line2D]:
     Parameters
     ----------
     recordings : sequence of Recording
-        The runs. A strategy with one run has its exact curve; of several the median is drawn,
-        with a band from the lower to the upper quartile. A single run with a base station has a
-        thin line of the share that the base station knows, too.
+        The runs. Those that differ at most in their seeds, faults and base stations are drawn
+        together: the median, with a band from the lower to the upper quartile. A single one has its
+        exact curve and, with a base station, a thin line of the share that this knows.
     ax : Axes
         Where to draw.
 
     Returns
     -------
     list of Line2D
-        A line for each strategy, in the order of their first runs.
+        A line for each strategy and what else differs, in the order of their first runs.
     """
     curves: dict[str, list[StepCurve]] = {}
     delivered: dict[str, FloatArray] = {}
-    for recording in recordings:
+    for recording, label in zip(recordings, _labels(recordings), strict=True):
         columns = coverage_curve(recording, recording.environment())
         curve = np.asarray(columns["time_s"].values), np.asarray(columns["coverage"].values)
-        curves.setdefault(recording.spec.strategy, []).append(curve)
+        curves.setdefault(label, []).append(curve)
         if "delivered" in columns:
-            delivered[recording.spec.strategy] = np.asarray(columns["delivered"].values)
+            delivered[label] = np.asarray(columns["delivered"].values)
     lines: list[Line2D] = []
-    for number, (strategy, own) in enumerate(curves.items()):
+    for number, (name, own) in enumerate(curves.items()):
         look = look_of(number)
-        label = printable(strategy)
+        label = printable(name)
         drawn: dict[str, Any] = {"color": look.colour, "linestyle": look.dashes, "label": label}
         if len(own) == 1 or max(float(np.asarray(times)[-1]) for times, _ in own) <= 0.0:
             times_s, shares = map(np.asarray, own[0])
             lines.append(plot_steps(times_s, shares, ax, **drawn).lines[-1])
-            if (at_base := delivered.get(strategy)) is not None:
+            if (at_base := delivered.get(name)) is not None:
                 thin = drawn | {"label": f"{label}, at the base", "linewidth": THIN_PT}
                 lines.append(plot_steps(times_s, at_base, ax, **thin).lines[-1])
             continue
@@ -71,6 +72,16 @@ def draw_coverage(recordings: Sequence[Recording], ax: Axes) -> list[Line2D]:
         band = bands.lower_quartile, bands.upper_quartile
         ax.fill_between(bands.times, *band, color=look.colour, alpha=0.17, linewidth=0)
     return lines
+
+
+def _labels(recordings: Sequence[Recording]) -> list[str]:
+    """Return for each run its strategy, and the conditions that not all runs have."""
+    told = [conditions(recording.spec, repeated=True) for recording in recordings]
+    common = set(told[0]).intersection(*told) if told else set()
+    return [
+        ", ".join([recording.spec.strategy, *(phrase for phrase in own if phrase not in common)])
+        for recording, own in zip(recordings, told, strict=True)
+    ]
 
 
 def coverage_figure(recordings: Sequence[Recording], style: FigureStyle) -> Figure:

@@ -358,3 +358,24 @@ def test_texts_of_the_table_do_not_overlap(bidders, growers):
         assert pairs.tolist() == []
         assert max(b.x1 for b in boxes) <= figure.bbox.x1
         assert min(b.x0 for b in boxes) >= 0.0
+
+
+def test_runs_with_other_options_and_limits_have_curves_of_their_own(ax):
+    def recording(seed, **changes):
+        given = {"strategy": "minpos", "robots": 2, "base": (5.0, 5.0), "max_time_s": 4.0}
+        return ms.explore("open", seed=seed, **(given | changes)).recording
+
+    runs = [
+        recording(0),
+        recording(1, base=(4.0, 4.0)),
+        recording(0, options={"replan": "arrival"}),
+        recording(0, robots=1, max_time_s=3.0),
+    ]
+    labels = [str(line.get_label()) for line in draw_coverage(runs, ax)]
+    assert labels == [
+        "minpos, 2 robots, scattered starts, at most 4 s (2 runs)",
+        "minpos, 2 robots, scattered starts, replan = arrival, at most 4 s",
+        "minpos, 2 robots, scattered starts, replan = arrival, at most 4 s, at the base",
+        "minpos, 1 robot, at most 3 s",
+        "minpos, 1 robot, at most 3 s, at the base",
+    ]

@@ -1,7 +1,8 @@
 import pytest
 
 import multisrt as ms
-from multisrt.replay.conditions import conditions, deaths, with_labels
+from multisrt.explain.conditions import conditions, deaths
+from multisrt.replay.labels import with_labels
 from multisrt.replay.payload import payload
 from multisrt.spec import Death, DriveSpec, LateStart, RangeFinderSpec, Silence, StopRule
 from tests.multisrt.replay.staged import staged

@@ -7,17 +7,19 @@ from collections.abc import Callable, Sequence
 from multisrt.events import Died
 from multisrt.explain.words import listed
 from multisrt.recording import Recording
-from multisrt.replay.packing import Packed
 from multisrt.spec import Fault, LateStart, RadioSpec, RobotSpec, RunSpec, Silence, StopRule
 
 
-def conditions(spec: RunSpec) -> list[str]:
+def conditions(spec: RunSpec, *, repeated: bool = False) -> list[str]:
     """Return what a run was made with, besides its strategy, world and seed, in words.
 
     Parameters
     ----------
     spec : RunSpec
         The spec of the run.
+    repeated : bool
+        Leave out what may differ among repetitions of a run: the faults, and where the base
+        station is.
 
     Returns
     -------
@@ -39,14 +41,15 @@ def conditions(spec: RunSpec) -> list[str]:
     if spec.base is not None:
         x, y = spec.base.place
         phrases += [] if count > 1 else [_radio(spec.radio)]
-        phrases.append(f"base station at ({x:g}, {y:g})")
+        phrases.append("base station" if repeated else f"base station at ({x:g}, {y:g})")
     phrases += [
         _of_all(robots, _range_finder),
         _of_all(robots, lambda robot: f"body {robot.footprint}"),
         _of_all(robots, _drive),
     ]
     phrases += [f"{name} = {_value(value)}" for name, value in spec.options.items()]
-    phrases += map(_fault, sorted(spec.faults, key=lambda fault: (fault.time_s, fault.robot)))
+    if not repeated:
+        phrases += map(_fault, sorted(spec.faults, key=lambda fault: (fault.time_s, fault.robot)))
     if spec.stop.max_time_s != StopRule().max_time_s:
         phrases.append(f"at most {spec.stop.max_time_s:g} s")
     return phrases
@@ -55,31 +58,6 @@ def conditions(spec: RunSpec) -> list[str]:
 def deaths(recording: Recording) -> list[str]:
     """Return which robots died and when, in words."""
     return [f"robot {e.robot} died at {e.time_s:.1f} s" for e in recording.of(Died)]
-
-
-def with_labels(runs: Sequence[Packed]) -> list[Packed]:
-    """Return packed runs whose labels differ.
-
-    Parameters
-    ----------
-    runs : sequence of dict
-        Packed runs, with a `title` and `conditions`.
-
-    Returns
-    -------
-    list of dict
-        The runs with a `label`: the title, and for runs with equal titles the conditions in
-        which they differ, or the numbers of the runs if that does not tell them apart.
-    """
-    labels: list[str] = []
-    for run in runs:
-        same = [other["conditions"] for other in runs if other["title"] == run["title"]]
-        own = [p for p in run["conditions"] if not all(p in other for other in same)]
-        labels.append(", ".join([run["title"], *own]))
-    return [
-        run | {"label": f"{label}, run {k + 1}" if labels.count(label) > 1 else label}
-        for k, (run, label) in enumerate(zip(runs, labels, strict=True))
-    ]
 
 
 def _radio(radio: RadioSpec) -> str:

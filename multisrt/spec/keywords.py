@@ -141,9 +141,10 @@ def require_use(spec: RunSpec, given: Mapping[str, str], size: str, *, sized: bo
         # A single robot uses its radio, too; but starts are drawn for teams alone.
         given = {name: text for name, text in given.items() if name == "starts"}
     if given and not sized and len(spec.robots) == 1:
+        name, text = next(iter(given.items()))
+        base = "" if name == "starts" else " or a base station"
         raise InvalidInputError(
-            f"{next(iter(given.values()))} is for teams, and there is one robot: give {size}, "
-            "or leave it out"
+            f"{text} is for teams, and there is one robot: give {size}{base}, or leave it out"
         )
 
 

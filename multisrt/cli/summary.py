@@ -131,28 +131,29 @@ def _print_comparison(runs: list[Run]) -> None:
 
     measures: dict[str, list[float | None]] = {
         "95 % (s)": [run.metrics.time_to_95_s for run in runs],
-        **(
-            {}
-            if all(run.spec.base is None for run in runs)
-            else {"95 % at base (s)": [run.metrics.delivered_95_s for run in runs]}
-        ),
         "known (s)": [run.metrics.known_complete_s for run in runs],
         "done (s)": [run.metrics.makespan_s for run in runs],
         "driven (m)": [run.metrics.total_distance_m for run in runs],
     }
     good = [is_success(run.metrics) for run in runs]
-    compared = table("strategy", "success", ">covered", *(f">{heading}" for heading in measures))
+    shares = ["coverage", *["delivered_coverage"] * any(run.spec.base is not None for run in runs)]
+    headings = (*("covered", "delivered")[: len(shares)], *measures)
+    compared = table("strategy", "success", *(f">{heading}" for heading in headings))
     cells = [_with_best(values, good) for values in measures.values()]
     for number, run in enumerate(runs):
         compared.add_row(
             run.spec.strategy,
             "yes" if good[number] else "no",
-            f"{100.0 * run.metrics.coverage:.1f} %",
+            *(_share(getattr(run.metrics, name)) for name in shares),
             *(column[number] for column in cells),
         )
     show(compared)
     click.echo("* best of the successful runs, one for each strategy; 'multisrt experiment'")
     click.echo("  compares over many seeds\n")
+
+
+def _share(value: float | None) -> str:
+    return "" if value is None else f"{100.0 * value:.1f} %"
 
 
 def _with_best(values: Sequence[float | None], good: Sequence[bool]) -> list[str]:

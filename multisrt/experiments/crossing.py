@@ -10,7 +10,7 @@ import hashlib
 import itertools
 import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any, TypeVar
@@ -232,11 +232,11 @@ def key_of(spec: RunSpec) -> str:
 
 
 def _conditions(spec: ExperimentSpec) -> list[tuple[Condition, Choices]]:
-    asked = [
-        (_condition(choices), choices)
-        for block in spec.blocks or (Block(),)
-        for choices in _crossed(spec, block)
+    crossings = [
+        choices for block in spec.blocks or (Block(),) for choices in _crossed(spec, block)
     ]
+    told_apart = _with_other_options(crossings)
+    asked = [(_condition(choices, told_apart), choices) for choices in crossings]
     if not asked:
         raise InvalidInputError(
             f"{spec.name}: there are no runs; name 'environments' and 'strategies'"
@@ -257,6 +257,16 @@ def _conditions(spec: ExperimentSpec) -> list[tuple[Condition, Choices]]:
             "exclude fewer"
         )
     return list(crossed.items())
+
+
+def _with_other_options(crossings: Sequence[Choices]) -> set[str]:
+    """Return the names of strategies that are chosen without a label, but with several options."""
+    options: dict[str, list[Mapping[str, object]]] = {}
+    for choice in (choices.strategy for choices in crossings):
+        known = options.setdefault(choice.name, [])
+        if choice.label is None and choice.options not in known:
+            known.append(choice.options)
+    return {name for name, known in options.items() if len(known) > 1}
 
 
 def _unlabelled(choices: Choices) -> tuple[object, ...]:
@@ -352,11 +362,11 @@ def _seeds(choice: EnvironmentChoice) -> Sequence[int]:
     return range(first, last + 1)
 
 
-def _condition(choices: Choices) -> Condition:
-    team = choices.team
+def _condition(choices: Choices, told_apart: Container[str]) -> Condition:
+    team, strategy = choices.team, choices.strategy
     return Condition(
         environment=_environment_label(choices.environment),
-        strategy=choices.strategy.shown,
+        strategy=strategy.told_apart if strategy.name in told_apart else strategy.shown,
         robots=team if isinstance(team, int) else len(team.members),
         team="" if isinstance(team, int) else team.label,
         starts=starts_label(choices.starts),

@@ -96,14 +96,15 @@ class StrategyChoice(_Part, frozen=True, kw_only=True, omit_defaults=True):
     name : str
         Name of a registered strategy.
     label : str or None
-        Label in tables; None: the name, with the options, if there are any.
+        Label in tables; None: the name, and the options, if the experiment has others of that name.
     options : dict
         Options that differ from the strategy's defaults.
 
     Examples
     --------
-    >>> StrategyChoice(name="minpos", options={"home": "in-time"}).shown
-    'minpos (home=in-time)'
+    >>> choice = StrategyChoice(name="minpos", options={"home": "in-time"})
+    >>> choice.shown, choice.told_apart
+    ('minpos', 'minpos (home=in-time)')
     """
 
     name: Label
@@ -113,8 +114,13 @@ class StrategyChoice(_Part, frozen=True, kw_only=True, omit_defaults=True):
     @property
     def shown(self) -> str:
         """What it is called in tables."""
+        return self.label or self.name
+
+    @property
+    def told_apart(self) -> str:
+        """What it is called beside others of its name with other options."""
         if self.label is not None or not self.options:
-            return self.label or self.name
+            return self.shown
         given = ", ".join(f"{name}={value}" for name, value in self.options.items())
         return f"{self.name} ({given})"
 

@@ -573,17 +573,21 @@ def test_lost_messages_do_not_part_a_pair_for_long():
     assert metrics.coverage > 0.95
 
 
-def test_a_pair_that_begins_apart_from_the_base_finds_it_first():
-    recording = go(
+def pair_from_afar(*, limit_s):
+    return go(
         WIDE,
         (30.0, 1.2),
         (31.0, 1.2),
         strategy="minpos",
         base=(1.0, 1.2),
         home="relays",
-        limit_s=900.0,
+        limit_s=limit_s,
         radio=RadioSpec(range_m=5.0),
     )
+
+
+def test_a_pair_that_begins_apart_from_the_base_finds_it_first():
+    recording = pair_from_afar(limit_s=900.0)
     metrics = measure(recording, WIDE)
     assert metrics.delivered_coverage == same(metrics.coverage)
     assert metrics.coverage > 0.9
@@ -591,16 +595,7 @@ def test_a_pair_that_begins_apart_from_the_base_finds_it_first():
 
 def test_a_relay_that_knows_no_way_home_explores_and_takes_no_news():
     # 29 m from the base station, which hears it at 5 m: half a metre a second takes it there.
-    recording = go(
-        WIDE,
-        (30.0, 1.2),
-        (31.0, 1.2),
-        strategy="minpos",
-        base=(1.0, 1.2),
-        home="relays",
-        limit_s=76.0,
-        radio=RadioSpec(range_m=5.0),
-    )
+    recording = pair_from_afar(limit_s=76.0)
     near = [e.time_s for e in recording.of(NodeAdded) if e.configuration[0] < 6.0]
     meetings = [e.time_s for e in recording.of(Decided) if "meet" in e.text]
     assert 0.0 < min(near) <= min(meetings)

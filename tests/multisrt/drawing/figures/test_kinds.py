@@ -361,8 +361,9 @@ def test_texts_of_the_table_do_not_overlap(bidders, growers):
 
 
 def test_runs_with_other_options_and_limits_have_curves_of_their_own(ax):
-    def recording(seed, **changes):
-        given = {"strategy": "minpos", "robots": 2, "base": (5.0, 5.0), "max_time_s": 4.0}
+    def recording(seed: int, **changes: Any) -> ms.Recording:
+        given: dict[str, Any] = {"strategy": "minpos", "robots": 2, "base": (5.0, 5.0)}
+        given |= {"max_time_s": 4.0}
         return ms.explore("open", seed=seed, **(given | changes)).recording
 
     runs = [

@@ -160,7 +160,7 @@ class _BidStory(ChoiceStory[GoalChosen]):
             yield f"{left_out} of {len(choice.frontiers)} frontiers are not shown"
         yield ">: its own row, *: its choice, -: no path or not computed"
         if self.home in LEFT_OUT:
-            yield f"its choice is among those that are not left out, as {LEFT_OUT[self.home]}"
+            yield f"a frontier with a length may be left out, too: {LEFT_OUT[self.home]}"
         yield self._row("frontier", [f"{k}{'*' * (k == self._chosen())}" for k in shown])
         yield self._row("x (m)", [f"{choice.frontiers[k][0]:.2f}" for k in shown])
         yield self._row("y (m)", [f"{choice.frontiers[k][1]:.2f}" for k in shown])

@@ -39,7 +39,6 @@ def choose_gain(robot: FrontierRobot, because: str) -> Choice:
     costs = WavefrontCosts(robot, every=True)
     if not costs.is_choosable.any():
         return (yield from settle_on(robot, costs.table(), None, "gain", because))
-    costs.compute_own()
     ways = PathCosts(robot, costs)
     areas = areas_beyond(robot, costs.targets)
     chosen = _on_tours(robot, costs, ways, areas)

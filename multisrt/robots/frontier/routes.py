@@ -36,7 +36,6 @@ def choose_routes(robot: FrontierRobot, because: str) -> Choice:
     costs = WavefrontCosts(robot, every=True)
     if not costs.is_choosable.any():
         return (yield from settle_on(robot, costs.table(), None, "routes", because))
-    costs.compute_own()
     ways = PathCosts(robot, costs).whole()
     near = _nearest(costs)
     targets = costs.targets[near]

@@ -184,7 +184,6 @@ def follow_assignment(robot: FrontierRobot, assignment: AssignmentMessage, becau
     if choice is None:
         # Where a frontier's target cannot be reached another cell of it may be.
         costs = WavefrontCosts(robot, alone=True, every=True)
-        costs.compute_own()
         choice = _assigned_target(costs, assignment)
     rounds: tuple[tuple[int, int, float, float], ...] = ()
     if choice is None:

@@ -69,8 +69,8 @@ class WavefrontCosts:
     alone : bool
         Leave the other robots out.
     every : bool
-        Look for other cells of every frontier whose target the robot cannot reach; otherwise only
-        if it can reach no target.
+        Compute the robot's own costs to all targets. It then looks for other cells of every
+        frontier whose target it cannot reach; otherwise only if it can reach no target.
 
     Attributes
     ----------
@@ -108,6 +108,9 @@ class WavefrontCosts:
             else:
                 self._put_one_in_reach(self.field)
             self._leave_out_late()
+            if every and self.field is not None:
+                own = self.field.distance(self._indices)
+                self.costs[self.row] = np.where(self.is_choosable, own, np.inf)
 
     def _take_targets(self) -> None:
         self.targets = self.robot.targets()
@@ -199,13 +202,6 @@ class WavefrontCosts:
                 self.costs[self.row, target] = self.field.distance(self._indices[[target]])[0]
         return float(self.costs[self.row, target])
 
-    def compute_own(self) -> None:
-        """Compute the deciding robot's costs to all targets that it can choose."""
-        if self.field is not None:
-            with self.robot.around_bodies():
-                costs = self.field.distance(self._indices)
-            self.costs[self.row] = np.where(self.is_choosable, costs, np.inf)
-
     def _first(self, robot: int, frontiers: IntArray, limit_m: float) -> tuple[float, int] | None:
         field = self._field_from(robot)
         found = None if field is None else field.first(self._indices[frontiers], limit_m)
@@ -289,14 +285,11 @@ class WavefrontCosts:
 
 def own_costs(robot: FrontierRobot) -> Table:
     """Return one robot's costs to all targets, as a table of one row."""
-    costs = WavefrontCosts(robot, alone=True, every=True)
-    costs.compute_own()
-    return costs.table()
+    return WavefrontCosts(robot, alone=True, every=True).table()
 
 
 def full_table(robot: FrontierRobot) -> Table:
     """Return the costs of all robots that are taken into account to all targets."""
     costs = WavefrontCosts(robot, every=True)
-    costs.compute_own()
     costs.compute_others()
     return costs.table()

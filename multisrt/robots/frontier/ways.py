@@ -77,8 +77,8 @@ class Ways:
             robot, ``inf`` where no way is known.
         """
         lengths: FloatArray = np.where(self.contact.hears_at(places), 0.0, np.inf)
-        away, field = np.isinf(lengths), self._home_field()
-        if field is not None and away.any():
+        away = np.isinf(lengths)
+        if away.any() and (field := self._home_field()) is not None:
             lengths[away] = field.distance(indices_of(self._map.raster, places[away]))
         return lengths
 

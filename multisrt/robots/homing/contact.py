@@ -91,7 +91,7 @@ class ContactPlaces:
         return self._sees_through or inside(node.region.boundary, *self.base)
 
     def hears(self, x: float, y: float) -> bool:
-        """Whether the base station hears a robot at a place, on a map or not; see `hears_at`."""
+        """Whether the base station hears a robot at a place; see `hears_at`."""
         return bool(self.hears_at(np.array([[x, y]]))[0])
 
     def hears_at(self, places: FloatArray) -> BoolArray:

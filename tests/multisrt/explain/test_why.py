@@ -529,7 +529,7 @@ def test_what_a_missing_length_may_mean_is_told(home, said):
     table = part(explain(recording, 1, 7.0), "How it chose: minpos").splitlines()
     told = [line.strip() for line in table if "left out" in line]
     assert told == (
-        [] if said is None else [f"its choice is among those that are not left out, as {said}"]
+        [] if said is None else [f"a frontier with a length may be left out, too: {said}"]
     )
 
 

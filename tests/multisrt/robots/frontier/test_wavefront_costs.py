@@ -121,7 +121,6 @@ def test_gain_chooses_as_on_the_full_table(situation, areas):
         found = lazy.nearest(row, near[[target]])
         return np.inf if found is None else found[0]
 
-    lazy.compute_own()
     bounds = lazy.lower_bounds()
     bounds[0] = lazy.costs[0]
     chosen = [

@@ -221,15 +221,16 @@ class FrontierMap:
         tuple of Frontier
             The frontiers, in the order of their lowest cells, from left to right.
         """
-        field = None
+        reach = None
         if from_ is not None:
             field = self._field(*_one(from_, "from_")[0].tolist())
             if field is None:
                 return ()
-            self._frontiers.look_closer(field.reachable(), blocked=self._past_bodies is not None)
+            reach = field.reachable()
+            self._frontiers.look_closer(reach, blocked=self._past_bodies is not None)
         found = [self._frontier(group, place) for group, place in self._frontiers.placed()]
-        if field is not None and found:
-            reached = np.isfinite(self._distances(field, places_of(found)))
+        if reach is not None and found:
+            reached = reach[tuple(indices_of(self.raster, places_of(found)).T)]
             found = [f for f, is_reached in zip(found, reached.tolist(), strict=True) if is_reached]
         self._described = {key: self._described[key] for key in map(id, self._groups())}
         return tuple(found)

@@ -22,8 +22,8 @@ from multisrt.presets.summary import markdown_table
 from multisrt.recording.files import atomic_write
 
 TITLES: Final = {
-    "robustness": "Teams whose robots die, fall silent or come late",
-    "robustness_news": "Teams that bring news home, whose robots die, fall silent or come late",
+    "robustness": "Teams whose robots die, fall silent or start late",
+    "robustness_news": "Teams that return data, whose robots die, fall silent or start late",
 }
 """Titles of the pages, by experiment."""
 

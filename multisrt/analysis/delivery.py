@@ -57,7 +57,7 @@ class Delivery:
         """Return when each percent was delivered, from 0 to 100 (s); None if it never was."""
         return (0.0, *(self.time_to(percent / 100) for percent in range(1, 101)))
 
-    def age_s(self, covered: Coverage, end_s: float) -> float | None:
+    def mean_delay_s(self, covered: Coverage, end_s: float) -> float | None:
         """Return the mean time between the covering and the delivery of an area, in seconds.
 
         Parameters
@@ -65,8 +65,7 @@ class Delivery:
         covered : Coverage
             What the same run covered.
         end_s : float
-            Time (s) up to which it counts. Of what is not delivered by then, the age by then
-            counts.
+            Horizon (s): area that is not delivered by then counts up to it.
 
         Returns
         -------

@@ -262,7 +262,7 @@ def _base(delivered: Delivery | None, covered: Coverage, horizon_s: float) -> di
         "delivered_90_s": delivered.time_to(0.90),
         "delivered_95_s": delivered.time_to(0.95),
         "delivered_99_s": delivered.time_to(0.99),
-        "base_age_s": delivered.age_s(covered, horizon_s),
+        "delivery_delay_s": delivered.mean_delay_s(covered, horizon_s),
         "carrying_s": mean_s(delivered.carrying_s),
     }
 

@@ -107,8 +107,8 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
         None in a run without a base station; see `multisrt.analysis.delivery`.
     delivered_90_s, delivered_95_s, delivered_99_s : float or None
         Time at which that share was delivered; None also if it never was.
-    base_age_s : float or None
-        Mean age of news: the time between the covering and the delivery of an area, averaged over
+    delivery_delay_s : float or None
+        Mean delivery delay: the time from the covering of an area to its delivery, averaged over
         the covered area; area that was not delivered counts up to the horizon.
     carrying_s : float or None
         Time during which a robot had undelivered data, averaged over all robots.
@@ -249,7 +249,7 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
     delivered_90_s: float | None = None
     delivered_95_s: float | None = None
     delivered_99_s: float | None = None
-    base_age_s: float | None = None
+    delivery_delay_s: float | None = None
     carrying_s: float | None = None
 
     def reached(self, threshold: float = SUCCESS_COVERAGE) -> bool:
@@ -372,7 +372,7 @@ METRIC_GROUPS: dict[str, tuple[str, ...]] = {
         "delivered_90_s",
         "delivered_95_s",
         "delivered_99_s",
-        "base_age_s",
+        "delivery_delay_s",
         "carrying_s",
     ),
     "isolation": (

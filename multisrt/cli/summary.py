@@ -308,8 +308,8 @@ def _base_rows(run: Run, *, narrow: bool) -> Rows:
             if narrow
             else {"90, 95, 99 % delivered at": _times(*times.values())}
         ),
-        "age of news at the base, mean": _seconds(m.base_age_s),
-        "a robot held news for, mean": _seconds(m.carrying_s),
+        "mean delivery delay to the base": _seconds(m.delivery_delay_s),
+        "a robot had undelivered data for, mean": _seconds(m.carrying_s),
     }
 
 

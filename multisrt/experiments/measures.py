@@ -185,12 +185,12 @@ MEASURES = (
     _measure("delivered_99_s", "Time to 99 % delivered to the base", "s"),
     # Of an exploration that ends early, too: what was never delivered counts until the horizon.
     _measure(
-        "base_age_s",
-        "Mean time between covering and delivery to the base",
+        "delivery_delay_s",
+        "Mean delivery delay to the base",
         "s",
         needs_success=False,
     ),
-    _measure("carrying_s", "Time in which a robot held news for the base, mean", "s"),
+    _measure("carrying_s", "Mean time for which a robot had undelivered data", "s"),
     _measure("overlap_share", "Share seen by several robots", "", digits=3),
     _measure("lost_area_m2", "Area lost with robots that died", "m2"),
     _measure("isolated_total_s", "Time in which a robot was isolated", "s"),
@@ -226,7 +226,7 @@ MEASURES = (
 INTEGRALS = ("coverage_integral_s", "known_to_one_m2s")
 """Names of the measures that are integrals over time, to the horizon of the runs."""
 
-TO_HORIZON = (*INTEGRALS, "base_age_s")
+TO_HORIZON = (*INTEGRALS, "delivery_delay_s")
 """Names of all measures that depend on the horizon of the runs."""
 
 

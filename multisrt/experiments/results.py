@@ -188,16 +188,16 @@ class Result(msgspec.Struct, frozen=True, kw_only=True):
             m,
             coverage_integral_s=m.coverage_integral_s + more_s * (1.0 - m.coverage),
             known_to_one_m2s=m.known_to_one_m2s + more_s * m.known_to_one_m2,
-            base_age_s=_aged(m, more_s),
+            delivery_delay_s=_delayed(m, more_s),
         )
         return msgspec.structs.replace(self, metrics=metrics, horizon_s=horizon_s)
 
 
-def _aged(m: Metrics, more_s: float) -> float | None:
-    # The mean age of news when a run's horizon is moved on, by what was never delivered.
-    if m.base_age_s is None or m.delivered_coverage is None:
+def _delayed(m: Metrics, more_s: float) -> float | None:
+    # The mean delivery delay when a run's horizon is moved on, by what was never delivered.
+    if m.delivery_delay_s is None or m.delivered_coverage is None:
         return None
-    return m.base_age_s + more_s * (1.0 - m.delivered_coverage / m.coverage)
+    return m.delivery_delay_s + more_s * (1.0 - m.delivered_coverage / m.coverage)
 
 
 def is_success(metrics: Metrics | None, threshold: float = SUCCESS_COVERAGE) -> bool:

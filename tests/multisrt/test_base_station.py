@@ -106,7 +106,7 @@ def test_an_experiment_gives_its_base_to_all_runs():
 
 
 def test_measures_have_the_names_of_metrics(run):
-    names = [m.name for m in MEASURES if m.name.startswith(("delivered", "base", "carrying"))]
+    names = [m.name for m in MEASURES if m.name.startswith(("delivered", "delivery", "carrying"))]
     assert len(names) == 6
     assert all(hasattr(run.metrics, name) for name in names)
     assert not measure_named("delivered_coverage").lower_is_better
@@ -120,7 +120,7 @@ def test_the_summary_has_rows_of_a_base(run, capsys, tmp_path):
     said = capsys.readouterr().out
     share = f"{100.0 * run.metrics.delivered_coverage:.2f} %"
     assert any("delivered to the base" in line and share in line for line in said.splitlines())
-    assert "age of news at the base" in said
+    assert "mean delivery delay to the base" in said
 
 
 def test_the_map_shows_the_base_and_what_it_knows(run):

@@ -59,7 +59,7 @@ def test_measures_worked_out_on_paper(at_base, seen):
     assert m.coverage == pytest.approx(1.0, abs=1e-6)
     assert m.delivered_coverage == pytest.approx(0.4, abs=1e-6)
     assert (m.delivered_90_s, m.delivered_95_s, m.delivered_99_s) == (None, None, None)
-    assert m.base_age_s == pytest.approx((40 * 10 + 60 * 30) / 100, abs=1e-4)
+    assert m.delivery_delay_s == pytest.approx((40 * 10 + 60 * 30) / 100, abs=1e-4)
     # From 0 to 10 s, and from 20 s to the end.
     assert m.carrying_s == pytest.approx(40.0)
     columns = coverage_curve(recording, recording.environment())
@@ -106,7 +106,7 @@ def test_all_is_delivered_in_the_end(at_base, seen):
     m = measure(recording)
     assert m.delivered_coverage == m.coverage
     assert (m.delivered_90_s, m.delivered_99_s) == (30.0, 30.0)
-    assert m.base_age_s == pytest.approx((40 * 30 + 60 * 10) / 100, abs=1e-4)
+    assert m.delivery_delay_s == pytest.approx((40 * 30 + 60 * 10) / 100, abs=1e-4)
     assert m.carrying_s == pytest.approx(30.0)
 
 
@@ -114,14 +114,16 @@ def test_what_was_not_delivered_ages_up_to_the_horizon(at_base, seen):
     recording = at_base(seen(0.0, LEFT), sent(10.0, 0, 1), learned(10.0, 0, (0, 0)),
                         seen(20.0, RIGHT, serial=1))  # fmt: skip
     later = measure(recording, horizon_s=80.0)
-    assert later.base_age_s == pytest.approx((40 * 10 + 60 * 60) / 100, abs=1e-4)
+    assert later.delivery_delay_s == pytest.approx((40 * 10 + 60 * 60) / 100, abs=1e-4)
     # Stored results are moved to the same horizon without measuring the run again.
     where = Condition(environment="hall", strategy="closest", robots=1)
     result = Result(key="k", condition=where, repetition=0, status="complete", reason="",
                     metrics=measure(recording))  # fmt: skip
-    assert metrics_of(result.to_horizon(80.0)).base_age_s == pytest.approx(later.base_age_s)
+    assert metrics_of(result.to_horizon(80.0)).delivery_delay_s == pytest.approx(
+        later.delivery_delay_s
+    )
     earlier = measure(recording, horizon_s=30.0)
-    assert earlier.base_age_s == pytest.approx((40 * 10 + 60 * 10) / 100, abs=1e-4)
+    assert earlier.delivery_delay_s == pytest.approx((40 * 10 + 60 * 10) / 100, abs=1e-4)
 
 
 def test_news_pass_through_another_robot(at_base, seen):
@@ -142,7 +144,7 @@ def test_a_dead_robot_carries_nothing_and_delivers_nothing(at_base, seen, died):
     m = measure(at_base(seen(0.0, LEFT), died(15.0, 0)))
     assert m.delivered_coverage == 0.0
     assert m.carrying_s == pytest.approx(15.0)
-    assert m.base_age_s == pytest.approx(50.0)
+    assert m.delivery_delay_s == pytest.approx(50.0)
 
 
 def test_what_no_message_brought_does_not_count(at_base, seen):
@@ -178,8 +180,8 @@ def test_without_a_base_there_are_no_such_measures(recorded, seen):
     assert recording.header.format_version == WITHOUT_BASE
     m = measure(recording)
     names = [
-        "delivered_coverage", "delivered_90_s", "delivered_95_s", "delivered_99_s", "base_age_s",
-        "carrying_s",
+        "delivered_coverage", "delivered_90_s", "delivered_95_s", "delivered_99_s",
+        "delivery_delay_s", "carrying_s",
     ]  # fmt: skip
     assert [getattr(m, name) for name in names] == [None] * 6
     assert not [row for row in m.outline() if "base" in row[0]]

@@ -409,8 +409,8 @@ def test_a_strategy_that_shares_nothing_delivers_nothing(run):
     recording = run(two_rooms("informed", 2, options={"effort": 0.05}, radio=RadioSpec()))
     m = measure(recording)
     assert (m.delivered_coverage, m.delivered_90_s) == (0.0, None)
-    assert m.base_age_s is not None
-    assert m.base_age_s > 0.0
+    assert m.delivery_delay_s is not None
+    assert m.delivery_delay_s > 0.0
 
 
 def test_the_digest_is_the_same_in_another_process(run):

@@ -93,7 +93,7 @@ def test_the_base_learns_what_the_front_sees_while_it_drives(chain):
         assert learned[node.robot, node.serial] == pytest.approx(node.time_s, abs=1e-6)
     metrics = measure(chain, CORRIDOR)
     assert metrics.delivered_coverage == pytest.approx(metrics.coverage, abs=1e-9)
-    assert metrics.base_age_s == pytest.approx(0.0, abs=1e-6)
+    assert metrics.delivery_delay_s == pytest.approx(0.0, abs=1e-6)
 
 
 def test_it_ends_where_the_chain_does(chain):

@@ -17,6 +17,7 @@ import shapely
 
 import multisrt as ms
 from benchmarks.arguments import at_least, parser_of
+from multisrt.analysis.measuring import measure
 from multisrt.environments.environment import Environment
 from multisrt.presets.summary import markdown_table
 from multisrt.statistics.intervals import bootstrap
@@ -85,7 +86,7 @@ def run(world: str, range_m: float, mode: str, repetition: int) -> dict[str, obj
     """Make one run and return its row."""
     environment = ms.environment(world)
     base, *starts = drawn_starts(environment, repetition)
-    metrics = ms.explore(
+    made = ms.explore(
         environment,
         strategy=STRATEGY,
         robots=ROBOTS,
@@ -95,7 +96,9 @@ def run(world: str, range_m: float, mode: str, repetition: int) -> dict[str, obj
         max_time_s=LIMIT_S,
         options={"home": mode},
         seed=repetition,
-    ).metrics
+    )
+    # Undelivered area counts up to the same time in all runs, whenever they end.
+    metrics = measure(made.recording, environment, horizon_s=LIMIT_S)
     return {
         "world": world,
         "range_m": range_m,

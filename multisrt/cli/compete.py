@@ -1,4 +1,4 @@
-"""`multisrt compete`: a strategy in the simulator of the indoor exploration competition."""
+"""`multisrt compete`: run a strategy in the simulator of the indoor exploration competition."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class _Numbers(click.ParamType[tuple[int, ...]]):
     def convert(
         self, value: object, param: click.Parameter | None, ctx: click.Context | None
     ) -> tuple[int, ...]:
-        """Return the numbers, without doubles, in order."""
+        """Return the numbers in increasing order, without duplicates."""
         if isinstance(value, tuple):
             return value
         found: set[int] = set()
@@ -100,11 +100,10 @@ class _Cell(click.ParamType[tuple[int, int]]):
 )
 @click.option(
     "--draws",
-    "number",
     type=click.IntRange(1),
     default=4,
     show_default=True,
-    help="Starts drawn on a map.",
+    help="Number of starts drawn on each map.",
 )
 @click.option(
     "--seed", type=click.IntRange(0), default=0, show_default=True, help="Seed of the draws."
@@ -142,28 +141,28 @@ def compete(
 
     CLONE is a clone of the repository of the Indoor Exploration Competition (IROS 2026), which
     is not changed. Runs are executed as by its main.py, on its maps and with its numbers of steps,
-    scored by its scoring.py, and compared with the published first places. Runs that are in the
-    folder of results are not repeated.
+    scored by its scoring.py, and compared with the published scores of the winners. Runs whose
+    results are in the folder are not repeated.
     """
     from multisrt.competition.clone import Clone
     from multisrt.competition.jobs import JobStore
-    from multisrt.competition.policies import OWN, PolicySource
-    from multisrt.competition.running import execute, planned
+    from multisrt.competition.policies import GAIN_HOME, PolicySource
+    from multisrt.competition.running import execute, planned_jobs
     from multisrt.terminal import LiveLine
 
     if strategy is not None and policy is not None:
         raise click.UsageError("--strategy and --policy exclude each other")
-    source = PolicySource.read(policy) if policy else PolicySource.of(strategy or OWN)
+    source = PolicySource.read(policy) if policy else PolicySource.of(strategy or GAIN_HOME)
     found = Clone(clone, any_version=any_version)
     if policy_out is not None:
         _write(policy_out, source.text)
-        click.echo(f"{source.name} as a policy: {policy_out}")
+        click.echo(f"{source.name} as a policy file: {policy_out}")
         return
     found.options()
     given = which["maps"].split(",") if which["maps"] else ()
     names = found.maps(tuple(dict.fromkeys(given)))
-    plan = {name: which[name] for name in ("number", "seed", "steps")}
-    jobs = planned(found, names, which["robots"], which["starts"], **plan)
+    plan = {name: which[name] for name in ("draws", "seed", "steps")}
+    jobs = planned_jobs(found, names, which["robots"], which["starts"], **plan)
     folder = out or Path("runs") / f"compete-{source.name}"
     store = JobStore(folder, source.digest, found.digest)
     missing = [
@@ -202,30 +201,30 @@ def _write(path: Path, text: str) -> None:
 def _show(
     name: str, results: Mapping[Job, JobResult], maps: Sequence[str], robots: Sequence[int]
 ) -> None:
-    """Print the scores, and what was used to get them."""
+    """Print the scores, and which modules and functions computed them."""
     import numpy as np
 
     from multisrt.cli.tables import show, table
-    from multisrt.competition.jobs import means
-    from multisrt.competition.published import MAX_DECISION_S, first_place, track
+    from multisrt.competition.jobs import mean_coverages
+    from multisrt.competition.published import MAX_DECISION_S, track, winning_score
 
-    made = table("robots", *(f">{name}" for name in maps), ">mean", ">first place")
+    made = table("robots", *(f">{name}" for name in maps), ">mean", ">winner's score")
     tracks: dict[str, list[float]] = {"alone": [], "team": []}
     for number in robots:
-        shares = means(results, maps, number)
+        shares = mean_coverages(results, maps, number)
         tracks[track(number)].append(float(np.mean(shares)))
         made.add_row(
             str(number),
             *(f"{share:.2f}" for share in shares),
             f"{np.mean(shares):.2f}",
-            f"{first_place(number, maps):.2f}",
+            f"{winning_score(number, maps):.2f}",
         )
     click.echo(f"{name}: share of the map that the base knows at the end (%)")
     show(made)
     for which, words in (("alone", "alone"), ("team", "in teams")):
         if tracks[which]:
-            first = first_place(1 if which == "alone" else 2, maps)
-            click.echo(f"{words}: {np.mean(tracks[which]):.2f} %, first place {first:.2f} %")
+            winner = winning_score(1 if which == "alone" else 2, maps)
+            click.echo(f"{words}: {np.mean(tracks[which]):.2f} %, winner's score {winner:.2f} %")
     slowest = max(result.decision_s for result in results.values())
     over = f"; more than {MAX_DECISION_S:g} s is not allowed" if slowest > MAX_DECISION_S else ""
     click.echo(f"decisions: at most {1000.0 * slowest:.1f} ms for a robot and step{over}")

@@ -1,4 +1,4 @@
-"""The public indoor exploration competition: our strategies in the simulator of a clone of it.
+"""Running strategies of this package in the simulator of the public indoor exploration competition.
 
-Nothing of the competition is part of this package: users clone it themselves.
+No file of the competition is part of this package: users clone its repository themselves.
 """

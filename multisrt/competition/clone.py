@@ -1,4 +1,4 @@
-"""A clone of the competition's repository: whether it is one, its options, maps and starts."""
+"""A clone of the competition's repository: its validation, options, maps and starts."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from multisrt.environments.formats.numpy_array import mapped
 from multisrt.geometry.errors import InvalidInputError, did_you_mean
 from multisrt.geometry.numerics.arrays import BoolArray
 
-FILES: Final = {
+SIMULATOR_FILES: Final = {
     "scripts/base_policy.py": "53ec2c72acedcd32c3336606fde069b55c862e7d0f831e815ee929aa1cb37925",
     "scripts/base_station.py": "1221de9748a7df782b2c9b2967ecdb636d7b943e1ac866d2039c98aee451c6b4",
     "scripts/comm.py": "208409075b820ca6accca4eaf56a36135c5d329dcc8e26c27ce182f52c0a2a18",
@@ -30,11 +30,11 @@ FILES: Final = {
     "scripts/scoring.py": "72592812af791ba11844522e205dc438e890b2eebeb99a76d4f5f840e38cf192",
     "scripts/utils.py": "72f4361def4853a58270e39901ecc727069f385ee32ea375cdda2579fd8d2886",
 }
-"""SHA-256 of the files of the simulator, with lines that end in a line feed."""
+"""SHA-256 of each file of the simulator, with line feeds as line ends."""
 
 CONFIG: Final = "configs/multi-robot.yaml"
 
-FIXED: Final = {
+FIXED_OPTIONS: Final = {
     "lidar_range": 15,
     "num_laser": 2500,
     "pixel_per_meter": 10,
@@ -45,16 +45,16 @@ FIXED: Final = {
     "power_threshold": -80,
     "pd_size": 200,
 }
-"""The options that are the same for all who take part."""
+"""Options that are the same for all participants."""
 
 CELL_M: Final = 0.1
-"""Side of a cell of the simulator, of two by two pixels of a map, in metres."""
+"""Side in metres of a cell of the simulator, which is two by two pixels of a map."""
 
 CLEARANCE_CELLS: Final = 6
-"""Clearance of drawn starts, in cells."""
+"""Minimum clearance of drawn starts, in cells."""
 
 MAX_FILE_BYTES: Final = 1_000_000
-"""Upper bound of the size of a file of the simulator."""
+"""Maximum size of a file of the simulator."""
 
 REPOSITORY: Final = "https://github.com/BYU-FROST-Lab/indoor-exploration-competition"
 
@@ -65,14 +65,14 @@ class Clone:
     Parameters
     ----------
     folder : Path
-        The clone.
+        Folder of the clone.
     any_version : bool
-        Whether the simulator may differ from the version whose figures are published.
+        Whether the simulator may differ from the version of the published scores.
 
     Attributes
     ----------
     folder : Path
-        The clone.
+        Folder of the clone.
     changed : tuple of str
         Files of the simulator that differ from the known version; empty unless `any_version`.
 
@@ -84,18 +84,22 @@ class Clone:
 
     def __init__(self, folder: Path, *, any_version: bool = False) -> None:
         self.folder = folder
-        missing = [name for name in (*FILES, CONFIG, "test_maps") if not (folder / name).exists()]
+        missing = [
+            name for name in (*SIMULATOR_FILES, CONFIG, "test_maps") if not (folder / name).exists()
+        ]
         if missing:
             raise InvalidInputError(
                 f"{folder} is not a clone of the competition: it has no {missing[0]}; clone it "
                 f"with: git clone {REPOSITORY}"
             )
-        self.changed = tuple(name for name, known in FILES.items() if self._digest(name) != known)
+        self.changed = tuple(
+            name for name, known in SIMULATOR_FILES.items() if self._digest(name) != known
+        )
         if self.changed and not any_version:
             raise InvalidInputError(
                 f"{folder / self.changed[0]} is not that of the known version of the competition"
                 f"{_and_others(self.changed)}; restore it (git checkout), or run it as it is with "
-                "--any-version: its scores may not compare with the published ones"
+                "--any-version: its scores may not be comparable with the published ones"
             )
 
     def _digest(self, name: str) -> str:
@@ -107,7 +111,7 @@ class Clone:
     @property
     def digest(self) -> str:
         """Digest of the simulator's files."""
-        return hashlib.sha256("".join(map(self._digest, FILES)).encode()).hexdigest()[:16]
+        return hashlib.sha256("".join(map(self._digest, SIMULATOR_FILES)).encode()).hexdigest()[:16]
 
     def options(self) -> SimpleNamespace:
         """Return the options of the clone's configuration.
@@ -115,7 +119,7 @@ class Clone:
         Raises
         ------
         InvalidInputError
-            If the file is no mapping, or an option that is the same for all is changed.
+            If the file is not a mapping, or one of `FIXED_OPTIONS` has another value.
         """
         path = self.folder / CONFIG
         require_file(path)
@@ -125,20 +129,20 @@ class Clone:
             raise InvalidInputError(f"{path} cannot be read: {error}") from error
         if not isinstance(entries, dict):
             raise InvalidInputError(f"{path} has no options")
-        for name, value in FIXED.items():
+        for name, value in FIXED_OPTIONS.items():
             if entries.get(name) != value:
                 raise InvalidInputError(
-                    f"{path} has {name}: {entries.get(name)}; it is {value} for all who take part"
+                    f"{path} has {name}: {entries.get(name)}; it is {value} for all participants"
                 )
         return SimpleNamespace(**{str(name): value for name, value in entries.items()})
 
     def maps(self, names: tuple[str, ...] = ()) -> tuple[str, ...]:
-        """Return the names of some of the released maps, or of all.
+        """Return the given names of released maps, or all if none are given.
 
         Raises
         ------
         InvalidInputError
-            If there is no such map.
+            If there is no map of one of the names.
         """
         for name in names:
             if name not in SIZES or not (self.folder / "test_maps" / name).is_dir():
@@ -149,7 +153,7 @@ class Clone:
         return names or tuple(SIZES)
 
     def cells(self, name: str) -> tuple[BoolArray, BoolArray]:
-        """Return which cells of a map are occupied, and which are inside of the building.
+        """Return which cells of a map are occupied, and which are inside the building.
 
         Parameters
         ----------
@@ -159,13 +163,13 @@ class Clone:
         Returns
         -------
         occupied, inside : (rows, columns) arrays of bool
-            As the simulator makes them: a cell of two by two pixels is occupied if one is, or if it
-            is cut by the edge.
+            As in the simulator: a cell of two by two pixels is occupied if one of its pixels is, or
+            if it extends beyond the edge of the map.
 
         Raises
         ------
         MapFormatError
-            If a file is not such an array.
+            If a file is not an array of the expected kind.
         """
         folder = self.folder / "test_maps" / name
         occupancy, valid = (
@@ -176,35 +180,36 @@ class Clone:
                 f"{folder}: occ_map.npy has the shape {occupancy.shape}, and valid_space.npy "
                 f"{valid.shape}"
             )
-        return ~_by_two(occupancy != 0), _by_two(valid > 0)
+        return ~_all_of_blocks(occupancy != 0), _all_of_blocks(valid > 0)
 
     def starts(self, name: str, number: int, seed: int) -> tuple[tuple[int, int], ...]:
-        """Draw starts: cells with clearance in the largest connected part of a building.
+        """Draw starts: cells with clearance in the largest connected part of the building.
 
         Parameters
         ----------
         name : str
             The map.
         number : int
-            How many.
+            Number of starts.
         seed : int
             Seed of the draws, which are independent for each map.
 
         Returns
         -------
         tuple of (column, row)
-            As ``--start_pose`` of the competition's program takes them.
+            In the order that ``--start_pose`` of the competition's ``main.py`` takes.
 
         Examples
         --------
-        A hall of 4 m by 3 m in a building that is drawn with 5 cm a pixel:
+        A hall of 4 m by 3 m:
 
-        >>> _drawn(np.zeros((30, 40), bool), np.ones((30, 40), bool), 2, np.random.default_rng(3))
+        >>> occupied, inside = np.zeros((30, 40), bool), np.ones((30, 40), bool)
+        >>> _drawn_starts(occupied, inside, 2, np.random.default_rng(3))
         ((26, 6), (11, 21))
         """
         occupied, inside = self.cells(name)
         generator = np.random.default_rng([seed, zlib.crc32(name.encode())])
-        return _drawn(occupied, inside, number, generator)
+        return _drawn_starts(occupied, inside, number, generator)
 
     def require_start(self, name: str, start: tuple[int, int]) -> None:
         """Raise `InvalidInputError` unless a cell (column, row) of a map is free."""
@@ -220,12 +225,12 @@ class Clone:
             raise InvalidInputError(f"the start {column},{row} is in a wall of {name}")
 
     def environment(self, name: str) -> Environment:
-        """Return a map as a world: the free cells inside of the building, in metres.
+        """Return a map as a world: the free cells inside the building, in metres.
 
         Raises
         ------
         MapFormatError
-            If a file is not such an array, or no cell is free.
+            If a file is not an array of the expected kind, or no cell is free.
         """
         (name,) = self.maps((name,))
         path = self.folder / "test_maps" / name / "occ_map.npy"
@@ -239,17 +244,18 @@ class Clone:
         )
 
 
-def _by_two(pixels: BoolArray) -> BoolArray:
-    """Return which blocks of two by two pixels are all true; beyond the edge is false."""
+def _all_of_blocks(pixels: BoolArray) -> BoolArray:
+    """Return which blocks of two by two pixels are all true; pixels beyond the edge are false."""
     rows, columns = pixels.shape
     padded = np.pad(pixels, ((0, rows % 2), (0, columns % 2)))
     blocks = padded.reshape((rows + 1) // 2, 2, (columns + 1) // 2, 2)
     return np.asarray(blocks.all(axis=(1, 3)))
 
 
-def _drawn(
+def _drawn_starts(
     occupied: BoolArray, inside: BoolArray, number: int, generator: np.random.Generator
 ) -> tuple[tuple[int, int], ...]:
+    """Return starts (column, row), as `Clone.starts` draws them."""
     clearance = ndimage.distance_transform_cdt(np.pad(~occupied, 1))[1:-1, 1:-1]
     parts, count = ndimage.label((clearance > 1) & inside)
     sizes = np.bincount(parts.ravel(), minlength=count + 1)

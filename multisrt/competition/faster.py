@@ -1,12 +1,14 @@
-"""Faster functions in place of the slowest of the competition's simulator, with the same results.
+"""Faster replacements of the slowest functions of the competition's simulator.
 
-Four fifths of the time of a run are spent on whole maps, where only a part changes: a scan is
-filled in on a map of its own, maps are copied to be merged, and walls are widened everywhere to
-plan three cells of a way. Here a scan and a plan work on the part around the robot, and maps are
-merged in place. In all cases that these functions do not treat they call those of the simulator.
+They give the same results. The simulator spends four fifths of the time of a run on whole maps of
+which only a small part changes: it fills each scan in a separate map, copies maps to merge them,
+and dilates all walls to plan a path of three cells. Here scans and plans are limited to the
+surroundings of the robot, and maps are merged in place. Cases that these functions do not cover are
+passed on to those of the simulator.
 
-Only strategies of this package are run so. A policy of others may keep a map that it was shown,
-and maps that are merged in place change afterwards; it runs in the simulator as it is.
+The replacements are used for strategies of this package only. A policy of others might keep a map
+that it was given, which would change when maps are merged in place; it runs in the original
+simulator.
 """
 
 from __future__ import annotations
@@ -19,40 +21,40 @@ import numpy as np
 from numpy.typing import NDArray
 from shapely.geometry import MultiPolygon, Polygon
 
-from multisrt.competition.stand_ins import Singles, cast_rays, cheapest_way
+from multisrt.competition.stand_ins import Float32Array, cast_rays, cheapest_path
 from multisrt.geometry.numerics.arrays import BoolArray, FloatArray, IntArray
 from multisrt.geometry.numerics.kernel import kernel
 
 SCAN_HALF: Final = 160
-"""Cells from a robot to the edge of the part of a scan; the range is 150."""
+"""Cells from a robot to the edge of the window of its scan; the range is 150 cells."""
 
 PLAN_HALF: Final = 64
-"""Cells from a robot to the edge of the part in which its way is planned."""
+"""Cells from a robot to the edge of the window in which its path is planned."""
 
-FAR: Final = 12
-"""Cells around that part that are looked at: walls make ways dearer up to 9 cells from them."""
+PLAN_MARGIN: Final = 12
+"""Width in cells of a margin around that window: walls raise costs up to 9 cells from them."""
 
-AS_IT_IS: Final = "_as_it_is"
-"""What the names of the simulator's own functions end in where a faster one is in place."""
+ORIGINAL_SUFFIX: Final = "_original"
+"""Suffix of the names under which the simulator's replaced functions are kept."""
 
-NEAR_GOAL: Final = 10
-"""Distance below which the simulator takes a goal for reached, in cells."""
+GOAL_TOLERANCE: Final = 10
+"""Distance in cells below which the simulator regards a goal as reached."""
 
 
 def install(fast: bool) -> None:
-    """Put the faster functions in place in the simulator's modules, in this process, or take back.
+    """Install the faster functions in the simulator's modules in this process, or remove them.
 
     Parameters
     ----------
     fast : bool
-        Whether the simulator is to run with them.
+        Whether the simulator runs with the faster functions.
     """
-    part = importlib.import_module
+    module = importlib.import_module
     for owner, names in (
-        (part("robot").Robot, {"observe": _observe}),
-        (part("policy").PlanningEngine, {"plan": _plan}),
+        (module("robot").Robot, {"observe": _observe}),
+        (module("policy").PlanningEngine, {"plan": _plan}),
         (
-            part("comm").CommunicationManager,
+            module("comm").CommunicationManager,
             {
                 "_share_information": _share,
                 "_share_information_with_base_station": _share_with_base,
@@ -60,13 +62,13 @@ def install(fast: bool) -> None:
         ),
     ):
         for name, function in names.items():
-            if not hasattr(owner, name + AS_IT_IS):
-                setattr(owner, name + AS_IT_IS, getattr(owner, name))
-            setattr(owner, name, function if fast else getattr(owner, name + AS_IT_IS))
+            if not hasattr(owner, name + ORIGINAL_SUFFIX):
+                setattr(owner, name + ORIGINAL_SUFFIX, getattr(owner, name))
+            setattr(owner, name, function if fast else getattr(owner, name + ORIGINAL_SUFFIX))
 
 
 def _observe(robot: Any, world: Any) -> None:
-    """Take a scan, as ``Robot.observe``."""
+    """Take a scan, like ``Robot.observe``."""
     row, column = (int(x) for x in robot.pose)
     if not hasattr(world, "occupied"):
         world.occupied = world.occ_map != 0
@@ -81,43 +83,43 @@ def _observe(robot: Any, world: Any) -> None:
         ranges, rays, robot.num_laser, (robot.pose[0], robot.pose[1]), reach, world.occ_map
     )
     if world.occ_map[row, column] == 1 or (ends == ends[0]).all():
-        robot.observe_as_it_is(world)
+        robot.observe_original(world)
         return
     outline: Any = Polygon(ends).buffer(1)
     parts = list(outline.geoms) if isinstance(outline, MultiPolygon) else [outline]
     shell = max(parts, key=lambda part: float(part.area)).exterior
     corner = row - SCAN_HALF, column - SCAN_HALF
-    inside, closed = filled(np.array(shell.coords).astype(np.int64), corner, SCAN_HALF)
+    inside, closed = filled_outline(np.array(shell.coords).astype(np.int64), corner, SCAN_HALF)
     if closed:
-        note_scan(inside, corner, hits, robot.combined_obs_map, robot.unreported_mask)
+        write_scan(inside, corner, hits, robot.combined_obs_map, robot.unreported_mask)
     else:
-        robot.observe_as_it_is(world)
+        robot.observe_original(world)
 
 
 def _share(links: Any, robots: list[Any]) -> None:
-    """Merge the maps of robots in contact, as ``CommunicationManager._share_information``."""
+    """Merge the maps of robots in contact, like ``CommunicationManager._share_information``."""
     for i, one in enumerate(robots):
         for j in range(i + 1, len(robots)):
             if not links.comm_graph[i, j]:
                 continue
             other = robots[j]
             merge(one.combined_obs_map, other.combined_obs_map)
-            for told, teller in ((one, other), (other, one)):
-                told.pose_lists_of_others[f"robot{teller.id}"] = teller.pose_list.copy()
-                if teller.intent is not None:
-                    told.intents_of_others[f"robot{teller.id}"] = teller.intent.copy()
+            for receiver, sender in ((one, other), (other, one)):
+                receiver.pose_lists_of_others[f"robot{sender.id}"] = sender.pose_list.copy()
+                if sender.intent is not None:
+                    receiver.intents_of_others[f"robot{sender.id}"] = sender.intent.copy()
 
 
 def _share_with_base(links: Any, base: Any, world: Any) -> None:
-    """Merge maps with the base's, as ``CommunicationManager`` does."""
+    """Merge maps with the base's, like ``_share_information_with_base_station``."""
     for i, robot in enumerate(world.robots):
         if links.base_comm_graph[i]:
             merge(base.obs_map, robot.combined_obs_map)
             robot.unreported_mask[:] = False
 
 
-class _Decided:
-    """A policy that has decided, for the simulator to go on with."""
+class _FixedGoal:
+    """A policy with a given goal, for the simulator's original planner."""
 
     def __init__(self, goal: Any) -> None:
         self.goal = goal
@@ -133,47 +135,48 @@ class _Decided:
 def _plan(
     engine: Any, known: Any, pose: Any, options: Any, robot: Any, base: Any, links: Any, world: Any
 ) -> Any:
-    """Return the next pose of a robot that explores, as ``PlanningEngine.plan``."""
-    policy, before = robot.user_policy, robot.locked_frontier_center
+    """Return the next pose of an exploring robot, like ``PlanningEngine.plan``."""
+    policy, locked = robot.user_policy, robot.locked_frontier_center
     observation = engine._build_observation(robot, base, links, options)
     policy.should_relay(observation, options, world.t, options.max_steps)
-    if before is None or math.dist(before, pose) < NEAR_GOAL:
+    if locked is None or math.dist(locked, pose) < GOAL_TOLERANCE:
         goal = policy.decide(observation, options)
-        way = None if goal is None else _way_nearby(known, pose, goal)
-        if way is not None:
-            robot.locked_frontier_center, robot.intent = goal, way
-            return engine.pseudo_traj_planner(way[:, 0], way[:, 1], 3)
-        robot.user_policy = _Decided(goal)
-    try:  # the simulator takes this goal, or goes on to the last one if it is far away
-        return engine.plan_as_it_is(known, pose, options, robot, base, links, world)
+        path = None if goal is None else _local_path(known, pose, goal)
+        if path is not None:
+            robot.locked_frontier_center, robot.intent = goal, path
+            return engine.pseudo_traj_planner(path[:, 0], path[:, 1], 3)
+        robot.user_policy = _FixedGoal(goal)
+    try:  # the original planner asks for this goal, or continues to the locked one
+        return engine.plan_original(known, pose, options, robot, base, links, world)
     finally:
         robot.user_policy = policy
 
 
-def _way_nearby(known: FloatArray, pose: Any, goal: Any) -> NDArray[np.int32] | None:
-    """Return a cheapest way to a goal, None unless it is that of the whole map."""
+def _local_path(known: FloatArray, pose: Any, goal: Any) -> NDArray[np.int32] | None:
+    """Return a cheapest path to a goal; None if that of the whole map might be another one."""
     row, column = (int(x) for x in pose)
-    away = int(goal[0]) - row, int(goal[1]) - column
-    if max(abs(away[0]), abs(away[1])) > PLAN_HALF // 4:
+    to_goal = int(goal[0]) - row, int(goal[1]) - column
+    if max(abs(to_goal[0]), abs(to_goal[1])) > PLAN_HALF // 4:
         return None
-    half = PLAN_HALF + FAR
+    half = PLAN_HALF + PLAN_MARGIN
     corner = row - half, column - half
     if min(corner) < 1 or row + half + 1 >= known.shape[0] or column + half + 1 >= known.shape[1]:
         return None
-    weights = weights_nearby(known, corner, half)[FAR:-FAR, FAR:-FAR].copy()
-    end = PLAN_HALF + away[0], PLAN_HALF + away[1]
-    way = cheapest_way(weights, PLAN_HALF, PLAN_HALF, *end)
-    # Every cell costs 1 or more, so no cell farther than the way is dear was looked at.
-    if not len(way) or not weights[way[1:, 0], way[1:, 1]].sum() + 2 < PLAN_HALF:
+    inner = slice(PLAN_MARGIN, -PLAN_MARGIN)
+    weights = local_weights(known, corner, half)[inner, inner].copy()
+    end = PLAN_HALF + to_goal[0], PLAN_HALF + to_goal[1]
+    path = cheapest_path(weights, PLAN_HALF, PLAN_HALF, *end)
+    # Every cell costs at least 1, so the search visits no cell that is farther than the path costs.
+    if not len(path) or not weights[path[1:, 0], path[1:, 1]].sum() + 2 < PLAN_HALF:
         return None
     if not np.isfinite(weights[end]):
         return None
-    return way + np.array([row - PLAN_HALF, column - PLAN_HALF], np.int32)
+    return path + np.array([row - PLAN_HALF, column - PLAN_HALF], np.int32)
 
 
 @kernel
 def draw_line(grid: NDArray[np.int8], x1: int, y1: int, x2: int, y2: int) -> None:
-    """Set the cells of a line to 1, as ``bresenham`` of the simulator's ``utils``."""
+    """Set the cells of a line to 1, like ``bresenham`` of the simulator's ``utils``."""
     steep = abs(y2 - y1) > abs(x2 - x1)
     if steep:
         x1, y1, x2, y2 = y1, x1, y2, x2
@@ -192,24 +195,26 @@ def draw_line(grid: NDArray[np.int8], x1: int, y1: int, x2: int, y2: int) -> Non
 
 
 @kernel
-def filled(outline: IntArray, corner: tuple[int, int], half: int) -> tuple[NDArray[np.int8], bool]:
-    """Return the cells inside of an outline around the middle of a part of the map.
+def filled_outline(
+    outline: IntArray, corner: tuple[int, int], half: int
+) -> tuple[NDArray[np.int8], bool]:
+    """Return the cells inside an outline around the centre of a window of the map.
 
     Parameters
     ----------
     outline : (n, 2) array
-        Cells, joined by lines.
+        Cells, which are joined by lines.
     corner : (row, column)
-        First cell of the part.
+        First cell of the window.
     half : int
-        The part has twice as many rows and columns, and one more.
+        Cells from the centre of the window to its edge.
 
     Returns
     -------
-    inside : array of int8
+    inside : (2 * half + 1, 2 * half + 1) array of int8
         2 inside, 1 on the outline, 0 outside.
     closed : bool
-        Whether the outline has an inside that it separates from the edge of the part.
+        Whether the outline separates the centre from the edge of the window.
     """
     size = 2 * half + 1
     grid = np.zeros((size, size), np.int8)
@@ -237,14 +242,14 @@ def filled(outline: IntArray, corner: tuple[int, int], half: int) -> tuple[NDArr
 
 
 @kernel
-def note_scan(
+def write_scan(
     inside: NDArray[np.int8],
     corner: tuple[int, int],
     hits: IntArray,
     known: FloatArray,
     unreported: BoolArray,
 ) -> None:
-    """Write a scan into a map, as ``Robot.accumulate_obs_given_dict``."""  # fmt: skip
+    """Write a scan to a map, like ``Robot.accumulate_obs_given_dict``."""  # fmt: skip
     row, column = corner
     for i in range(inside.shape[0]):
         for j in range(inside.shape[1]):
@@ -259,7 +264,7 @@ def note_scan(
 
 @kernel
 def merge(one: FloatArray, other: FloatArray) -> None:
-    """Write what two maps know into both: what is occupied in one is, before what is free."""
+    """Merge two maps in place: occupied in either, otherwise free in either, otherwise unknown."""
     a, b = one.ravel(), other.ravel()
     for k in range(len(a)):
         if a[k] != b[k]:
@@ -269,11 +274,12 @@ def merge(one: FloatArray, other: FloatArray) -> None:
 
 
 @kernel
-def weights_nearby(known: FloatArray, corner: tuple[int, int], half: int) -> Singles:
-    """Return the costs of entering cells of a part of a map, as ``inflate_map``.
+def local_weights(known: FloatArray, corner: tuple[int, int], half: int) -> Float32Array:
+    """Return the costs of entering the cells of a window of a map, like ``inflate_map``.
 
-    Cells beside occupied ones cannot be entered. Others cost 10, less their distance from the
-    nearest that is not free, and 1 at least. Exact from 10 cells inside of the part.
+    Occupied cells and those next to one cannot be entered. Others cost 10 minus their distance from
+    the nearest cell that is not free or cannot be entered, but at least 1. Costs are exact at 10 or
+    more cells from the edge of the window.
     """
     size = 2 * half + 1
     distances = np.zeros((size, size), np.int64)

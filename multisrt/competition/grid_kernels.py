@@ -1,8 +1,8 @@
-"""Compiled functions of the policy `gain_home` on grids: borders, ways, sight and rollouts.
+"""Compiled grid functions of `gain_home`: frontiers, distance fields, visibility and tours.
 
-This file needs numpy and numba only, and nothing of the package that it is part of: ``multisrt
-compete --policy-out`` puts it at the head of the policy. Grids are ``[row, column]``; lengths are
-in cells and areas in cells, times in steps of the competition's simulator.
+This file needs only numpy and numba, and nothing else from the package: ``multisrt compete
+--policy-out`` writes it at the start of the policy's file. Grids are indexed ``[row, column]``.
+Lengths are in cells, areas in square cells and times in steps of the competition's simulator.
 """
 
 from __future__ import annotations
@@ -17,49 +17,49 @@ from numpy.typing import NDArray
 
 Cells = NDArray[np.int64]
 Grid = NDArray[np.int8]
-Way = NDArray[np.int32]
+DistanceField = NDArray[np.int32]
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 FREE, UNKNOWN, OCCUPIED = 0, 1, 2
-"""States of a cell."""
+"""Cell states."""
 
 STEP = 3
-"""Cells that a robot drives in a step."""
+"""Maximum number of cells that a robot drives in a step."""
 
-BORDER = 2
-"""Cells around the scored area that are looked at."""
+MARGIN = 2
+"""Width in cells of the unscored margin kept around the scored area."""
 
 RAYS = 90
-"""Rays by which unknown area is measured: one for every 4 degrees."""
+"""Number of rays by which visible unknown area is measured: one every 4 degrees."""
 
 BLOCK = 4
-"""Side of the squares of cells in which unknown area is counted once."""
+"""Side in cells of the square blocks for which visible unknown area is counted."""
 
 
 F = TypeVar("F", bound=Callable[..., Any])
 
 
 def kernel(function: F) -> F:
-    """Compile a function when it is first called, and keep it on disk."""
+    """Compile a function on its first call, and cache the result on disk."""
     return cast(F, numba.njit(cache=True)(function))
 
 
 @kernel
-def cropped(known: Floats, corner: int) -> Grid:
-    """Return the states of the scored area and a border."""
-    rows, columns = known.shape[0] - 2 * corner, known.shape[1] - 2 * corner
+def cropped(known: Floats, offset: int) -> Grid:
+    """Return the cell states of a map without `offset` rows and columns on each side."""
+    rows, columns = known.shape[0] - 2 * offset, known.shape[1] - 2 * offset
     states = np.empty((rows, columns), np.int8)
     for i in range(rows):
         for j in range(columns):
-            value = known[i + corner, j + corner]
+            value = known[i + offset, j + offset]
             states[i, j] = FREE if value == 0.0 else (OCCUPIED if value == 1.0 else UNKNOWN)
     return states
 
 
 @kernel
 def is_clear(known: Floats, row: int, column: int) -> bool:
-    """Whether no cell around one is known to be occupied."""
+    """Return whether no cell of a cell's 3 by 3 neighbourhood is known to be occupied."""
     for a in range(row - 1, row + 2):
         for b in range(column - 1, column + 2):
             if known[a, b] == 1.0:
@@ -69,30 +69,46 @@ def is_clear(known: Floats, row: int, column: int) -> bool:
 
 @kernel
 def passable_cells(states: Grid) -> Flags:
-    """Return the cells whose whole neighbourhood is known to be free."""
+    """Return a mask of the cells whose 3 by 3 neighbourhood is known to be free."""
     rows, columns = states.shape
     passable = np.zeros((rows, columns), np.bool_)
     for i in range(1, rows - 1):
         for j in range(1, columns - 1):
             if states[i, j] == FREE:
-                found = True
+                all_free = True
                 for a in range(i - 1, i + 2):
                     for b in range(j - 1, j + 2):
                         if states[a, b] != FREE:
-                            found = False
-                passable[i, j] = found
+                            all_free = False
+                passable[i, j] = all_free
     return passable
 
 
 @kernel
-def field_from(passable: Flags, rows: Cells, columns: Cells, queue: Cells) -> Way:
-    """Return the way of every cell from the nearest of some cells; -1 where there is none."""
+def distance_field(passable: Flags, rows: Cells, columns: Cells, queue: Cells) -> DistanceField:
+    """Return the distance field of some source cells.
+
+    Parameters
+    ----------
+    passable : (rows, columns) array of bool
+        The passable cells. Sources need not be passable.
+    rows, columns : (k,) arrays
+        The source cells.
+    queue : (rows * columns,) array
+        Scratch memory with one entry per cell.
+
+    Returns
+    -------
+    (rows, columns) array
+        For each cell, the number of steps from the nearest source through passable cells
+        (4-connected); -1 where unreachable.
+    """
     height, width = passable.shape
-    way = np.full((height, width), -1, np.int32)
+    distances = np.full((height, width), -1, np.int32)
     end = 0
     for k in range(len(rows)):
-        if way[rows[k], columns[k]] < 0:
-            way[rows[k], columns[k]] = 0
+        if distances[rows[k], columns[k]] < 0:
+            distances[rows[k], columns[k]] = 0
             queue[end] = rows[k] * width + columns[k]
             end += 1
     begin = 0
@@ -100,41 +116,44 @@ def field_from(passable: Flags, rows: Cells, columns: Cells, queue: Cells) -> Wa
         cell = queue[begin]
         begin += 1
         i, j = cell // width, cell % width
-        further = way[i, j] + 1
-        if i > 0 and passable[i - 1, j] and way[i - 1, j] < 0:
-            way[i - 1, j] = further
+        further = distances[i, j] + 1
+        if i > 0 and passable[i - 1, j] and distances[i - 1, j] < 0:
+            distances[i - 1, j] = further
             queue[end] = cell - width
             end += 1
-        if i < height - 1 and passable[i + 1, j] and way[i + 1, j] < 0:
-            way[i + 1, j] = further
+        if i < height - 1 and passable[i + 1, j] and distances[i + 1, j] < 0:
+            distances[i + 1, j] = further
             queue[end] = cell + width
             end += 1
-        if j > 0 and passable[i, j - 1] and way[i, j - 1] < 0:
-            way[i, j - 1] = further
+        if j > 0 and passable[i, j - 1] and distances[i, j - 1] < 0:
+            distances[i, j - 1] = further
             queue[end] = cell - 1
             end += 1
-        if j < width - 1 and passable[i, j + 1] and way[i, j + 1] < 0:
-            way[i, j + 1] = further
+        if j < width - 1 and passable[i, j + 1] and distances[i, j + 1] < 0:
+            distances[i, j + 1] = further
             queue[end] = cell + 1
             end += 1
-    return way
+    return distances
 
 
 @kernel
-def descend(way: Way, row: int, column: int, cells: int) -> tuple[int, int]:
-    """Return the cell that is some cells down a field."""
-    height, width = way.shape
-    for _ in range(cells):
-        less = way[row, column] - 1
-        if less < 0:
+def descend(distances: DistanceField, row: int, column: int, steps: int) -> tuple[int, int]:
+    """Return the cell that a number of steps leads to, each one closer to the nearest source.
+
+    The descent ends at the source, or where no neighbour is closer.
+    """
+    height, width = distances.shape
+    for _ in range(steps):
+        closer = distances[row, column] - 1
+        if closer < 0:
             break
-        if row > 0 and way[row - 1, column] == less:
+        if row > 0 and distances[row - 1, column] == closer:
             row -= 1
-        elif row < height - 1 and way[row + 1, column] == less:
+        elif row < height - 1 and distances[row + 1, column] == closer:
             row += 1
-        elif column > 0 and way[row, column - 1] == less:
+        elif column > 0 and distances[row, column - 1] == closer:
             column -= 1
-        elif column < width - 1 and way[row, column + 1] == less:
+        elif column < width - 1 and distances[row, column + 1] == closer:
             column += 1
         else:
             break
@@ -142,80 +161,122 @@ def descend(way: Way, row: int, column: int, cells: int) -> tuple[int, int]:
 
 
 @kernel
-def edge_cells(states: Grid, border: int) -> Flags:
-    """Return the free cells beside unknown ones of the scored area."""
+def frontier_cells(states: Grid, margin: int) -> Flags:
+    """Return a mask of the free cells of the scored area with an unknown neighbour in it.
+
+    Neighbours are the eight adjacent cells.
+    """
     rows, columns = states.shape
-    edge = np.zeros((rows, columns), np.bool_)
-    for i in range(border, rows - border):
-        for j in range(border, columns - border):
+    frontier = np.zeros((rows, columns), np.bool_)
+    for i in range(margin, rows - margin):
+        for j in range(margin, columns - margin):
             if states[i, j] == FREE:
-                for a in range(max(border, i - 1), min(rows - border, i + 2)):
-                    for b in range(max(border, j - 1), min(columns - border, j + 2)):
+                for a in range(max(margin, i - 1), min(rows - margin, i + 2)):
+                    for b in range(max(margin, j - 1), min(columns - margin, j + 2)):
                         if states[a, b] == UNKNOWN:
-                            edge[i, j] = True
-    return edge
+                            frontier[i, j] = True
+    return frontier
 
 
 @kernel
-def take_part(edge: Flags, first: int, part: Cells) -> int:
-    """Move the cells that are connected with one out of a mask; return how many they are."""
-    rows, columns = edge.shape
-    edge[first // columns, first % columns] = False
-    part[0] = first
+def take_component(mask: Flags, first: int, component: Cells) -> int:
+    """Move the 8-connected component of a cell from a mask to an array; return its size.
+
+    Parameters
+    ----------
+    mask : (rows, columns) array of bool
+        The mask, from which the component is removed.
+    first : int
+        Flat index of the cell.
+    component : array
+        Where the flat indices of the component's cells are written.
+    """
+    rows, columns = mask.shape
+    mask[first // columns, first % columns] = False
+    component[0] = first
     begin, end = 0, 1
     while begin < end:
-        i, j = part[begin] // columns, part[begin] % columns
+        i, j = component[begin] // columns, component[begin] % columns
         begin += 1
         for a in range(max(0, i - 1), min(rows, i + 2)):
             for b in range(max(0, j - 1), min(columns, j + 2)):
-                if edge[a, b]:
-                    edge[a, b] = False
-                    part[end] = a * columns + b
+                if mask[a, b]:
+                    mask[a, b] = False
+                    component[end] = a * columns + b
                     end += 1
     return end
 
 
 @kernel
-def nearest_to_mean(ways: Way, cells: Cells) -> int:
-    """Return the reachable cell nearest to the mean of cells, within 3 of one; -1 if none is."""
-    rows, columns = ways.shape
+def nearest_to_mean(distances: DistanceField, cells: Cells) -> int:
+    """Return the reachable cell nearest to the mean of some cells, by flat indices.
+
+    Only cells at most three rows and columns from one of them are considered; -1 if none of these
+    is reachable.
+    """
+    rows, columns = distances.shape
     mean_i, mean_j = np.mean(cells // columns), np.mean(cells % columns)
-    nearest, place = np.inf, -1
+    least, nearest = np.inf, -1
     for cell in cells:
         i, j = cell // columns, cell % columns
         for a in range(max(0, i - 3), min(rows, i + 4)):
             for b in range(max(0, j - 3), min(columns, j + 4)):
-                gap = (a - mean_i) ** 2 + (b - mean_j) ** 2
-                if ways[a, b] >= 0 and gap < nearest:
-                    nearest, place = gap, a * columns + b
-    return place
+                squared = (a - mean_i) ** 2 + (b - mean_j) ** 2
+                if distances[a, b] >= 0 and squared < least:
+                    least, nearest = squared, a * columns + b
+    return nearest
 
 
 @kernel
-def border_pieces(
-    states: Grid, ways: Way, piece: int, least: int, border: int, queue: Cells
+def frontier_segments(
+    states: Grid,
+    distances: DistanceField,
+    half_width: int,
+    min_cells: int,
+    margin: int,
+    queue: Cells,
 ) -> Cells:
-    """Return a reachable cell, ``(m, 2)``, of each piece of the borders of what is unknown.
+    """Return a target for each segment of the frontiers between free and unknown cells.
 
-    A border is a connected set of free cells beside unknown ones. It is cut into pieces as wide
-    as twice `piece`; each is given by the reachable cell nearest to the mean of its cells.
+    A frontier is an 8-connected component of `frontier_cells`. It is cut into segments, each of
+    which is represented by the reachable cell nearest to the mean of its cells.
+
+    Parameters
+    ----------
+    states : (rows, columns) array
+        The map.
+    distances : (rows, columns) array
+        Distance field of the robot; cells below 0 are unreachable.
+    half_width : int
+        Maximum number of rows and columns from the first cell of a segment to its other cells.
+    min_cells : int
+        Minimum number of cells of a frontier; smaller ones are ignored.
+    margin : int
+        Width of the unscored margin.
+    queue : (rows * columns,) array
+        Scratch memory.
+
+    Returns
+    -------
+    (m, 2) array
+        Rows and columns of the targets. Segments without a reachable cell nearby have none.
     """
     columns = states.shape[1]
-    edge = edge_cells(states, border)
-    found = [0]
-    for first in np.flatnonzero(edge):
-        if not edge[first // columns, first % columns]:
+    frontier = frontier_cells(states, margin)
+    found = [0]  # a placeholder, from which numba infers the type
+    for first in np.flatnonzero(frontier):
+        if not frontier[first // columns, first % columns]:
             continue
-        count = take_part(edge, int(first), queue)
-        part = queue[:count].copy()
-        while count >= least and len(part):
-            i, j = part[0] // columns, part[0] % columns
-            near = np.abs(part // columns - i) <= piece
-            near &= np.abs(part % columns - j) <= piece
-            place = nearest_to_mean(ways, part[near])
-            if place >= 0:
-                found.append(place)
-            part = part[~near]
+        count = take_component(frontier, int(first), queue)
+        rest = queue[:count].copy()
+        while count >= min_cells and len(rest):
+            i, j = rest[0] // columns, rest[0] % columns
+            near = np.abs(rest // columns - i) <= half_width
+            near &= np.abs(rest % columns - j) <= half_width
+            target = nearest_to_mean(distances, rest[near])
+            if target >= 0:
+                found.append(target)
+            rest = rest[~near]
     targets = np.empty((len(found) - 1, 2), np.int64)
     for k in range(len(targets)):
         targets[k, 0] = found[k + 1] // columns
@@ -224,10 +285,11 @@ def border_pieces(
 
 
 @kernel
-def with_walls(states: Grid, longest: int) -> Grid:
-    """Return a map in which short runs of unknown cells between occupied ones are occupied.
+def with_filled_walls(states: Grid, max_cells: int) -> Grid:
+    """Return a copy of a map in which short runs of unknown cells between walls are occupied.
 
-    They are the insides of walls, and the parts of walls that a pillar hides.
+    A run lies between two occupied cells of a row or column and has at most `max_cells` cells. Such
+    runs are usually the inside of a wall, or a part of a wall behind a pillar.
     """
     rows, columns = states.shape
     filled = states.copy()
@@ -235,7 +297,7 @@ def with_walls(states: Grid, longest: int) -> Grid:
         last = -1
         for j in range(columns):
             if states[i, j] == OCCUPIED:
-                if last >= 0 and j - last - 1 <= longest:
+                if last >= 0 and j - last - 1 <= max_cells:
                     filled[i, last + 1 : j] = OCCUPIED
                 last = j
             elif states[i, j] == FREE:
@@ -244,7 +306,7 @@ def with_walls(states: Grid, longest: int) -> Grid:
         last = -1
         for i in range(rows):
             if states[i, j] == OCCUPIED:
-                if last >= 0 and i - last - 1 <= longest:
+                if last >= 0 and i - last - 1 <= max_cells:
                     filled[last + 1 : i, j] = OCCUPIED
                 last = i
             elif states[i, j] == FREE:
@@ -253,22 +315,37 @@ def with_walls(states: Grid, longest: int) -> Grid:
 
 
 @kernel
-def zone(
-    states: Grid, ways: Way, base: tuple[int, int], link: tuple[int, float, float]
+def contact_zone(
+    states: Grid, distances: DistanceField, base: tuple[int, int], link: tuple[int, float, float]
 ) -> tuple[Cells, Cells]:
-    """Return the reachable cells from which a link to the base holds on what is known."""
+    """Return the rows and columns of the reachable cells with a certain link to the base.
+
+    Parameters
+    ----------
+    states : (rows, columns) array
+        The map. All cells that are not known to be free count as wall.
+    distances : (rows, columns) array
+        Distance field of the robot; cells below 0 are unreachable.
+    base : (row, column)
+        The cell of the base, which is always the first of the zone.
+    link : (int, float, float)
+        Maximum length in cells, number of wall cells tolerated at 1 m, and decrease of that number
+        per decade of distance.
+    """
     base_row, base_column = base
-    reach, budget, slope = link
+    max_length, budget, slope = link
     rows, columns = states.shape
-    found_rows, found_columns = [base_row], [base_column]
-    for i in range(max(0, base_row - reach), min(rows, base_row + reach + 1)):
-        for j in range(max(0, base_column - reach), min(columns, base_column + reach + 1)):
-            if ways[i, j] < 0:
+    zone_rows, zone_columns = [base_row], [base_column]
+    for i in range(max(0, base_row - max_length), min(rows, base_row + max_length + 1)):
+        for j in range(
+            max(0, base_column - max_length), min(columns, base_column + max_length + 1)
+        ):
+            if distances[i, j] < 0:
                 continue
-            gap = math.sqrt((i - base_row) ** 2 + (j - base_column) ** 2)
-            if gap > reach or gap < 1.0:
+            length = math.sqrt((i - base_row) ** 2 + (j - base_column) ** 2)
+            if length > max_length or length < 1.0:
                 continue
-            bears = math.floor(budget - slope * math.log10(gap / 10.0))
+            tolerated = math.floor(budget - slope * math.log10(length / 10.0))
             count = max(abs(i - base_row), abs(j - base_column))
             walls = 0
             for k in range(count + 1):
@@ -276,51 +353,54 @@ def zone(
                 b = math.floor(base_column + (j - base_column) * k / count + 0.5)
                 if states[a, b] != FREE:
                     walls += 1
-                    if walls > bears:
+                    if walls > tolerated:
                         break
-            if walls <= bears:
-                found_rows.append(i)
-                found_columns.append(j)
-    return np.array(found_rows), np.array(found_columns)
+            if walls <= tolerated:
+                zone_rows.append(i)
+                zone_columns.append(j)
+    return np.array(zone_rows), np.array(zone_columns)
 
 
 @kernel
-def unknown_blocks(states: Grid, border: int) -> Floats:
-    """Return the unknown cells of the scored area in each block, row by row."""
+def unknown_area_of_blocks(states: Grid, margin: int) -> Floats:
+    """Return the unknown area of the scored part of each block, row by row, ``(n,)``."""
     rows, columns = states.shape
     areas = np.zeros((-(-rows // BLOCK), -(-columns // BLOCK)))
-    for i in range(border, rows - border):
-        for j in range(border, columns - border):
+    for i in range(margin, rows - margin):
+        for j in range(margin, columns - margin):
             if states[i, j] == UNKNOWN:
                 areas[i // BLOCK, j // BLOCK] += 1.0
     return areas.ravel()
 
 
 @kernel
-def blocks_in_sight(states: Grid, targets: Cells, sight: float, border: int) -> tuple[Cells, Cells]:
-    """Return the blocks with unknown cells in sight of targets; unknown cells hide nothing.
+def visible_blocks(states: Grid, targets: Cells, sight: float, margin: int) -> tuple[Cells, Cells]:
+    """Return the blocks with unknown cells that are visible from targets.
+
+    Unknown cells do not occlude.
 
     Parameters
     ----------
     states : (rows, columns) array
         The map.
     targets : (m, 2) array
-        Cells.
+        Rows and columns.
     sight : float
-        The range.
-    border : int
-        Cells at the edge of the map that are not scored.
+        Range within which cells are visible.
+    margin : int
+        Width of the unscored margin.
 
     Returns
     -------
     first, blocks : (m + 1,) and (n,) arrays
-        Those of target ``t`` are ``blocks[first[t]:first[t + 1]]``, as numbers of `unknown_blocks`.
+        The blocks of target ``t`` are ``blocks[first[t]:first[t + 1]]``, as indices into the result
+        of `unknown_area_of_blocks`.
 
     Notes
     -----
-    Rays are looked at in every second cell, so that some pass a wall of which one cell is known.
-    What is behind a near wall counts in part, therefore. Robots that looked at every cell did worse
-    in five runs, by 2.4 % of the map in the mean.
+    Rays are sampled at every second cell, so that some pass through a wall of which one cell is
+    known. The area behind a nearby wall therefore counts in part. Sampling every cell delivered
+    less in five runs, by 2.4 % of the map on average.
     """
     rows, columns = states.shape
     high, wide = -(-rows // BLOCK), -(-columns // BLOCK)
@@ -335,7 +415,7 @@ def blocks_in_sight(states: Grid, targets: Cells, sight: float, border: int) -> 
             r = 1.0
             while r < sight:
                 i, j = int(targets[t, 0] + r * di + 0.5), int(targets[t, 1] + r * dj + 0.5)
-                if not (border <= i < rows - border and border <= j < columns - border):
+                if not (margin <= i < rows - margin and margin <= j < columns - margin):
                     break
                 if states[i, j] == OCCUPIED:
                     break
@@ -352,22 +432,22 @@ def blocks_in_sight(states: Grid, targets: Cells, sight: float, border: int) -> 
 
 
 @kernel
-def areas_in_sight(areas: Floats, first: Cells, blocks: Cells) -> Floats:
-    """Return the sum of the areas of the blocks of each target."""
-    found = np.zeros(len(first) - 1)
-    for t in range(len(found)):
+def visible_areas(areas: Floats, first: Cells, blocks: Cells) -> Floats:
+    """Return the total area of the blocks visible from each target, ``(m,)``."""
+    sums = np.zeros(len(first) - 1)
+    for t in range(len(sums)):
         for k in range(first[t], first[t + 1]):
-            found[t] += areas[blocks[k]]
-    return found
+            sums[t] += areas[blocks[k]]
+    return sums
 
 
 @kernel
-def ways_between(passable: Flags, targets: Cells) -> Floats:
-    """Return the ways between targets, ``(m, m)``; ``inf`` where there is none.
+def path_lengths_between(passable: Flags, targets: Cells) -> Floats:
+    """Return approximate path lengths between targets, ``(m, m)``; ``inf`` where there is no path.
 
-    They are found among squares of two by two cells. Passable cells on two sides of a wall are
-    three cells or more apart, since those beside a wall are not passable, so squares connect
-    nothing that is apart.
+    They are computed on squares of 2 by 2 cells. A square is passable if one of its cells is. This
+    connects nothing across a wall: cells next to a wall are not passable, so passable cells on its
+    two sides have at least three cells between them.
     """
     rows, columns = passable.shape
     squares = np.zeros(((rows + 1) // 2, (columns + 1) // 2), np.bool_)
@@ -375,22 +455,27 @@ def ways_between(passable: Flags, targets: Cells) -> Floats:
         for j in range(columns):
             if passable[i, j]:
                 squares[i // 2, j // 2] = True
-    found = np.full((len(targets), len(targets)), np.inf)
+    lengths = np.full((len(targets), len(targets)), np.inf)
     queue = np.empty(squares.size, np.int64)
     for t in range(len(targets)):
         row, column = np.array([targets[t, 0] // 2]), np.array([targets[t, 1] // 2])
-        ways = field_from(squares, row, column, queue)
+        distances = distance_field(squares, row, column, queue)
         for u in range(len(targets)):
-            way = ways[targets[u, 0] // 2, targets[u, 1] // 2]
-            if way >= 0:
-                found[t, u] = 2.0 * way
-    return found
+            distance = distances[targets[u, 0] // 2, targets[u, 1] // 2]
+            if distance >= 0:
+                lengths[t, u] = 2.0 * distance
+    return lengths
 
 
-class Sights(NamedTuple):
-    """What targets show: unknown areas of blocks, and the blocks in sight of each target.
+class Visibility(NamedTuple):
+    """The blocks that are visible from targets, and their unknown areas.
 
-    The three arrays of `unknown_blocks` and `blocks_in_sight`.
+    Attributes
+    ----------
+    areas : (n,) array
+        Unknown area of each block, as `unknown_area_of_blocks` returns it.
+    first, blocks : (m + 1,) and (k,) arrays
+        The blocks that are visible from each target, as `visible_blocks` returns them.
     """
 
     areas: Floats
@@ -404,142 +489,168 @@ class Targets(NamedTuple):
     Attributes
     ----------
     shares : (m,) array
-        Factors on the areas of targets, from 0 to 1.
-    start, home : (m,) arrays
-        Ways from the robot to each target, and from there home.
-    between : (m, m) array
-        Ways between targets.
-    favour : (m,) array
-        Factors on the values of tours by their first target.
+        Factors on the visible areas of targets, from 0 to 1.
+    lengths_there, lengths_home : (m,) arrays
+        Path lengths from the robot to each target, and from each target home.
+    path_lengths : (m, m) array
+        Path lengths between targets.
+    first_factors : (m,) array
+        Factors on the values of tours, by their first target.
     """
 
     shares: Floats
-    start: Floats
-    home: Floats
-    between: Floats
-    favour: Floats
+    lengths_there: Floats
+    lengths_home: Floats
+    path_lengths: Floats
+    first_factors: Floats
 
 
-class Rules(NamedTuple):
-    """The constants of `best_tour`; see `Settings` in `gain_home`."""
+class TourParameters(NamedTuple):
+    """The parameters of `best_tour`.
+
+    Attributes
+    ----------
+    horizon : float
+        Time over which the value of area decreases by the factor e.
+    power, length_offset, homeward_weight, min_area : float
+        As in `Settings` of `gain_home`.
+    """
 
     horizon: float
     power: float
-    nearest: float
-    homeward: float
-    least_area: float
+    length_offset: float
+    homeward_weight: float
+    min_area: float
 
 
 @kernel
-def by_block(blocks: Cells, first: Cells, count: int) -> tuple[Cells, Cells]:
-    """Return the targets that have each block in sight, as `blocks_in_sight` does the reverse."""
+def targets_by_block(blocks: Cells, first: Cells, count: int) -> tuple[Cells, Cells]:
+    """Return the targets from which each block is visible: the inverse of `visible_blocks`.
+
+    Parameters
+    ----------
+    blocks, first : arrays
+        As `visible_blocks` returns them.
+    count : int
+        Number of all blocks.
+
+    Returns
+    -------
+    begin, targets : (count + 1,) and (n,) arrays
+        The targets of block ``b`` are ``targets[begin[b]:begin[b + 1]]``.
+    """
     begin = np.zeros(count + 1, np.int64)
     for block in blocks:
         begin[block + 1] += 1
     begin = np.cumsum(begin)
-    filled, owners = begin[:-1].copy(), np.empty(len(blocks), np.int64)
+    filled, targets = begin[:-1].copy(), np.empty(len(blocks), np.int64)
     for t in range(len(first) - 1):
         for k in range(first[t], first[t + 1]):
-            owners[filled[blocks[k]]] = t
+            targets[filled[blocks[k]]] = t
             filled[blocks[k]] += 1
-    return begin, owners
+    return begin, targets
 
 
 @kernel
-def best_tour(sights: Sights, targets: Targets, left: float, rules: Rules) -> tuple[Cells, Floats]:
-    """Return the best of the tours that begin with each target, and when it is where.
+def best_tour(
+    visibility: Visibility, targets: Targets, left: float, parameters: TourParameters
+) -> tuple[Cells, Floats]:
+    """Return the most valuable of the tours that begin at each target, and its arrival times.
 
-    A tour goes on to the target of the highest area over a power of the way, until no time is
-    left, or none is worth it. What was in sight before counts no more. Areas count less the later
-    they are seen. As a tour nears the end of the time, the way home counts as time as well.
+    A tour is extended greedily to the target with the most unknown area divided by a power of the
+    path length, until no target is left that shows enough and from which the robot could be home
+    in time, or until three horizons have passed. Area that is visible from an earlier target of the
+    tour does not count again. The value of area decreases with the time at which it is seen. As a
+    tour uses up the steps, the travel time home is added to that time.
 
     Parameters
     ----------
-    sights : Sights
-        What the targets show.
+    visibility : Visibility
+        What is visible from the targets.
     targets : Targets
-        Their ways and factors.
+        Path lengths and factors.
     left : float
-        Steps until it has to be home.
-    rules : Rules
-        The constants.
+        Steps left until the robot has to be home.
+    parameters : TourParameters
+        The parameters.
 
     Returns
     -------
     tour, times : (k,) arrays
-        Numbers of targets, and steps from now; none if no target can be reached.
+        Indices of targets, and arrival times in steps from now; empty if no target can be reached.
 
     Notes
     -----
     Source: rollout algorithms (Bertsekas, Tsitsiklis and Wu, Journal of Heuristics 3, 1997), with
     the greedy rule as base policy.
     """
-    areas, first, blocks = sights
-    shares, start, home, ways, favour = targets
-    count = len(start)
-    begin, owners = by_block(blocks, first, len(areas))
-    alone = areas_in_sight(areas, first, blocks)
+    areas, first, blocks = visibility
+    shares, lengths_there, lengths_home, path_lengths, first_factors = targets
+    count = len(lengths_there)
+    begin, seen_from = targets_by_block(blocks, first, len(areas))
+    all_gains = visible_areas(areas, first, blocks)
     seen_in = np.full(len(areas), -1, np.int64)
     tour, times = np.empty(count, np.int64), np.empty(count)
-    best, best_tour, best_times = -1.0, tour[:0].copy(), times[:0].copy()
-    for one in range(count):
-        if not np.isfinite(start[one]):
+    best_value, best, best_times = -1.0, tour[:0].copy(), times[:0].copy()
+    for start in range(count):
+        if not np.isfinite(lengths_there[start]):
             continue
-        gains, been = alone.copy(), np.zeros(count, np.bool_)
-        at, time, value, length = one, start[one] / STEP, 0.0, 0
-        while time <= 3.0 * rules.horizon or length == 0:
-            been[at] = True
+        gains, visited = all_gains.copy(), np.zeros(count, np.bool_)
+        at, time, value, length = start, lengths_there[start] / STEP, 0.0, 0
+        while time <= 3.0 * parameters.horizon or length == 0:
+            visited[at] = True
             tour[length], times[length] = at, time
             length += 1
-            back = home[at] / STEP
-            late = time + rules.homeward * min(1.0, (time + back) / left) * back
-            value += (gains[at] * shares[at] + 1.0) * math.exp(-late / rules.horizon)
+            back = lengths_home[at] / STEP
+            late = time + parameters.homeward_weight * min(1.0, (time + back) / left) * back
+            value += (gains[at] * shares[at] + 1.0) * math.exp(-late / parameters.horizon)
             for k in range(first[at], first[at + 1]):
                 block = blocks[k]
-                if seen_in[block] != one:
-                    seen_in[block] = one
+                if seen_in[block] != start:
+                    seen_in[block] = start
                     for q in range(begin[block], begin[block + 1]):
-                        gains[owners[q]] -= areas[block]
-            after, most = -1, 0.0
+                        gains[seen_from[q]] -= areas[block]
+            following, highest = -1, 0.0
             for t in range(count):
-                if been[t] or gains[t] < rules.least_area:
+                if visited[t] or gains[t] < parameters.min_area:
                     continue
-                if time + (ways[at, t] + home[t]) / STEP > left:
+                if time + (path_lengths[at, t] + lengths_home[t]) / STEP > left:
                     continue
-                rate = gains[t] * shares[t] / (ways[at, t] + rules.nearest) ** rules.power
-                if rate > most:
-                    after, most = t, rate
-            if after < 0:
+                cost = (path_lengths[at, t] + parameters.length_offset) ** parameters.power
+                rate = gains[t] * shares[t] / cost
+                if rate > highest:
+                    following, highest = t, rate
+            if following < 0:
                 break
-            time += ways[at, after] / STEP
-            at = after
-        if value * favour[one] > best:
-            best = value * favour[one]
-            best_tour, best_times = tour[:length].copy(), times[:length].copy()
-    return best_tour, best_times
+            time += path_lengths[at, following] / STEP
+            at = following
+        if value * first_factors[start] > best_value:
+            best_value = value * first_factors[start]
+            best, best_times = tour[:length].copy(), times[:length].copy()
+    return best, best_times
 
 
 @kernel
-def areas_after(
-    sights: Sights, tour: Cells, times: Floats, claim: float, strength: float
+def unclaimed_areas(
+    visibility: Visibility, tour: Cells, times: Floats, claim_decay: float, claim_share: float
 ) -> Floats:
-    """Return what the tour of a robot leaves of areas to others: the less, the sooner it comes.
+    """Return the areas of blocks that a robot's tour leaves to others, ``(n,)``.
 
     Parameters
     ----------
-    sights : Sights
-        What the targets show.
+    visibility : Visibility
+        What is visible from the targets.
     tour, times : (k,) arrays
-        A tour.
-    claim : float
-        Steps after which a claim is weaker by the factor e.
-    strength : float
-        Share that a claim takes at once.
+        The tour, as `best_tour` returns it.
+    claim_decay : float
+        Arrival time over which the claimed share decreases by the factor e.
+    claim_share : float
+        Share claimed at an arrival time of 0.
     """
-    areas, first, blocks = sights
+    areas, first, blocks = visibility
     left = areas.copy()
     for k in range(len(tour)):
-        share = 1.0 - strength * math.exp(-times[k] / claim)
+        share = 1.0 - claim_share * math.exp(-times[k] / claim_decay)
         for q in range(first[tour[k]], first[tour[k] + 1]):
             left[blocks[q]] = min(left[blocks[q]], areas[blocks[q]] * share)
     return left

@@ -1,4 +1,4 @@
-"""The runs to make, their results, and the file that keeps them."""
+"""Runs of the competition, their results, and the file in which results are stored."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ import msgspec
 from multisrt.geometry.errors import InvalidInputError
 
 STORE = "runs.jsonl"
-"""File of the results: a line for each run."""
+"""Name of the file of results: one line per run."""
 
 TABLE = "runs.csv"
-"""Table of the runs of the last call."""
+"""Name of the table of the runs of the last call."""
 
 
 class Job(msgspec.Struct, frozen=True, kw_only=True):
@@ -27,7 +27,7 @@ class Job(msgspec.Struct, frozen=True, kw_only=True):
     robots : int
         Number of robots.
     start : (int, int)
-        Column and row of the cell where the base is and all robots start.
+        Column and row of the cell in which the base stands and all robots start.
     steps : int
         Number of steps.
     """
@@ -39,20 +39,21 @@ class Job(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class JobResult(msgspec.Struct, frozen=True, kw_only=True):
-    """What came of a run.
+    """The result of a run.
 
     Attributes
     ----------
     coverage : float
-        Share of the map that the base knows at the end, by the competition's ``scoring.py``.
+        Share of the map that the base knows at the end, as the competition's ``scoring.py``
+        computes it.
     decision_s : float
-        Mean time of the policy for a robot and step, in seconds.
+        Mean time that the policy took per robot and step, in seconds.
     wall_s : float
-        Time of the whole run in seconds.
+        Time that the whole run took, in seconds.
     replaced : tuple of str
-        Modules in whose place a stand-in computed; see `multisrt.competition.stand_ins`.
+        Modules that stand-ins replaced; see `multisrt.competition.stand_ins`.
     fast : bool
-        Whether faster functions were in place; see `multisrt.competition.faster`.
+        Whether faster functions replaced the simulator's; see `multisrt.competition.faster`.
     """
 
     coverage: float
@@ -70,19 +71,27 @@ class _Row(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class JobStore:
-    """Results in a folder, each line written when its run has ended.
+    """A store of results in a folder, to which each result is written as its run ends.
 
     Parameters
     ----------
     folder : Path
-        Made if it is missing.
+        The folder; created if it is missing.
     policy, clone : str
-        Digests of what the results depend on; results of others are kept, and not used.
+        Digests of the policy and of the simulator. Results with other digests stay in the file, but
+        are not used.
+
+    Attributes
+    ----------
+    folder : Path
+        The folder.
+    results : dict of Job to JobResult
+        The results with these digests.
 
     Raises
     ------
     InvalidInputError
-        If the folder cannot be made, or its file is not one of results.
+        If the folder cannot be created, or its file is not a file of results.
 
     Examples
     --------
@@ -103,7 +112,7 @@ class JobStore:
             folder.mkdir(parents=True, exist_ok=True)
             path = folder / STORE
             text = path.read_bytes() if path.exists() else b""
-            if text and not text.endswith(b"\n"):  # killed while it wrote
+            if text and not text.endswith(b"\n"):  # the process was killed while it wrote
                 text = text[: text.rfind(b"\n") + 1]
                 path.write_bytes(text)
         except OSError as error:
@@ -119,14 +128,14 @@ class JobStore:
                 self.results[row.job] = row.result
 
     def add(self, job: Job, result: JobResult) -> None:
-        """Keep the result of a run."""
+        """Store the result of a run."""
         row = _Row(policy=self._policy, clone=self._clone, job=job, result=result)
         with (self.folder / STORE).open("ab") as file:
             file.write(msgspec.json.encode(row) + b"\n")
         self.results[job] = result
 
     def write_table(self, jobs: Iterable[Job]) -> Path:
-        """Write the results of some runs as CSV, and return the file."""
+        """Write the results of some runs as a CSV file, and return its path."""
         path = self.folder / TABLE
         with path.open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file, lineterminator="\n")
@@ -134,24 +143,26 @@ class JobStore:
                 ("map", "robots", "start_x", "start_y", "steps", "coverage", "decision_s", "wall_s")
             )
             for job in jobs:
-                found = self.results[job]
+                result = self.results[job]
                 writer.writerow(
                     (
-                        job.map, job.robots, *job.start, job.steps, round(found.coverage, 6),
-                        round(found.decision_s, 6), round(found.wall_s, 3),
+                        job.map, job.robots, *job.start, job.steps, round(result.coverage, 6),
+                        round(result.decision_s, 6), round(result.wall_s, 3),
                     )
                 )  # fmt: skip
         return path
 
 
-def means(results: Mapping[Job, JobResult], maps: Iterable[str], robots: int) -> list[float]:
-    """Return the mean coverage on each of some maps for a number of robots, in per cent."""
-    found = []
+def mean_coverages(
+    results: Mapping[Job, JobResult], maps: Iterable[str], robots: int
+) -> list[float]:
+    """Return the mean coverage on each map for a number of robots, in per cent."""
+    means = []
     for name in maps:
         values = [
             result.coverage
             for job, result in results.items()
             if job.map == name and job.robots == robots
         ]
-        found.append(100.0 * sum(values) / len(values))
-    return found
+        means.append(100.0 * sum(values) / len(values))
+    return means

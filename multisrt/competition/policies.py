@@ -1,4 +1,4 @@
-"""Where policies come from: strategies of this package by name, and files of others."""
+"""Policies for the competition: strategies of this package by name, and files of others."""
 
 from __future__ import annotations
 
@@ -13,29 +13,29 @@ from typing import Any, Final
 
 from multisrt.geometry.errors import InvalidInputError, did_you_mean
 
-OWN: Final = "gain-home"
-"""Name of the policy that is made for the competition."""
+GAIN_HOME: Final = "gain-home"
+"""Name of the strategy that was developed for the competition."""
 
-NAMES: Final = (OWN, "gain", "closest", "greedy", "minpos")
-"""Strategies that can be run in the competition."""
+NAMES: Final = (GAIN_HOME, "gain", "closest", "greedy", "minpos")
+"""Names of the strategies that can be run in the competition."""
 
 FOLDER: Final = Path(__file__).parent
 
-PARTS: Final = ("grid_kernels.py", "gain_home.py")
-"""Files of the policy `OWN`, in the order in which they are joined."""
+GAIN_HOME_FILES: Final = ("grid_kernels.py", "gain_home.py")
+"""Files of the strategy `GAIN_HOME`, in the order in which they are joined."""
 
-OWN_IMPORTS: Final = re.compile(r"from (__future__|multisrt[.\w]*) import (\([^)]*\)|.*)\n")
-"""Imports that a joined file does without, or has at its head."""
+DROPPED_IMPORTS: Final = re.compile(r"from (__future__|multisrt[.\w]*) import (\([^)]*\)|.*)\n")
+"""Imports that the joined file does not need, or has in its first line."""
 
-STANDS_ALONE: Final = '''\
-"""Policy {name} of multisrt, for the indoor exploration competition; it stands alone.
+GAIN_HOME_HEAD: Final = '''\
+"""Strategy {name} of multisrt for the indoor exploration competition; needs numpy and numba only.
 
 Run it in the competition's folder scripts: python3 main.py --policy_path THIS_FILE
 """
 
 '''
 
-OWN_END: Final = """
+GAIN_HOME_CLASS: Final = """
 
 from base_policy import BasePolicy  # noqa: E402
 
@@ -44,17 +44,17 @@ class Policy(GainHome, BasePolicy):
     \"\"\"The policy of the competition.\"\"\"
 """
 
-RULE_FILE: Final = '''\
-"""Strategy {name} of multisrt, for the indoor exploration competition; it needs multisrt.
+FRONTIER_POLICY_FILE: Final = '''\
+"""Strategy {name} of multisrt for the indoor exploration competition; needs multisrt.
 
 Run it in the competition's folder scripts: python3 main.py --policy_path THIS_FILE
 """
 
 from base_policy import BasePolicy
-from multisrt.competition.rules import RulePolicy
+from multisrt.competition.frontier_policies import FrontierPolicy
 
 
-class Policy(RulePolicy, BasePolicy):
+class Policy(FrontierPolicy, BasePolicy):
     """The policy of the competition."""
 
     def __init__(self) -> None:
@@ -64,16 +64,16 @@ class Policy(RulePolicy, BasePolicy):
 
 @dataclass(frozen=True)
 class PolicySource:
-    """A policy that a process can build.
+    """A policy as text, from which any process can build it.
 
     Attributes
     ----------
     name : str
-        The strategy's name, or that of the file.
+        Name of the strategy, or of the file without its suffix.
     text : str
-        The policy's file.
+        Text of the policy's file.
     path : Path or None
-        Where a file of others is; None for a strategy of this package.
+        Path of the file; None for a strategy of this package.
     """
 
     name: str
@@ -82,12 +82,12 @@ class PolicySource:
 
     @staticmethod
     def of(strategy: str) -> PolicySource:
-        """Return a strategy of this package.
+        """Return the policy of a strategy of this package.
 
         Raises
         ------
         InvalidInputError
-            If there is none of that name.
+            If there is no strategy of that name.
         """
         if strategy not in NAMES:
             raise InvalidInputError(
@@ -95,13 +95,14 @@ class PolicySource:
                 f"{did_you_mean(strategy, NAMES)}; there are {', '.join(NAMES)}, and --policy "
                 "FILE takes any policy"
             )
-        if strategy != OWN:
-            return PolicySource(strategy, RULE_FILE.format(name=strategy))
-        return PolicySource(strategy, STANDS_ALONE.format(name=OWN) + _joined() + OWN_END)
+        if strategy != GAIN_HOME:
+            return PolicySource(strategy, FRONTIER_POLICY_FILE.format(name=strategy))
+        head = GAIN_HOME_HEAD.format(name=strategy)
+        return PolicySource(strategy, head + _joined_files() + GAIN_HOME_CLASS)
 
     @staticmethod
     def read(path: Path) -> PolicySource:
-        """Return the policy of a file.
+        """Return the policy in a file.
 
         Raises
         ------
@@ -115,25 +116,31 @@ class PolicySource:
 
     @property
     def digest(self) -> str:
-        """Digest of what the policy's decisions depend on, as far as this package knows it."""
+        """Digest of the files on which the policy's decisions depend, as far as they are known."""
         parts = [self.text.encode()]
-        if self.path is None and self.name != OWN:
-            parts += [(FOLDER / name).read_bytes() for name in (*PARTS, "rules.py")]
+        if self.path is None and self.name != GAIN_HOME:
+            names = (*GAIN_HOME_FILES, "frontier_policies.py")
+            parts += [(FOLDER / name).read_bytes() for name in names]
         return hashlib.sha256(b"\0".join(parts)).hexdigest()[:16]
 
     def build(self, base: type) -> Any:
-        """Return the policy, a subclass of the competition's ``BasePolicy``.
+        """Return a new policy object.
+
+        Parameters
+        ----------
+        base : type
+            The competition's class ``BasePolicy``.
 
         Raises
         ------
         InvalidInputError
-            If the file has no class ``Policy`` that is one, or cannot be executed.
+            If the file cannot be executed, or has no class ``Policy`` that is derived from `base`.
         """
         if self.path is None:
-            return self._own(base)()
+            return self._strategy_class(base)()
         spec = importlib.util.spec_from_file_location("submitted_policy", self.path)
         if spec is None or spec.loader is None:
-            raise InvalidInputError(f"{self.path} is not a file of Python")
+            raise InvalidInputError(f"{self.path} is not a Python file")
         module = importlib.util.module_from_spec(spec)
         sys.modules[spec.name] = module
         try:
@@ -147,23 +154,23 @@ class PolicySource:
             raise InvalidInputError(f"{self.path} has no class Policy that is a BasePolicy")
         return found()
 
-    def _own(self, base: type) -> Callable[[], Any]:
-        if self.name == OWN:
+    def _strategy_class(self, base: type) -> Callable[[], Any]:
+        if self.name == GAIN_HOME:
             from multisrt.competition.gain_home import GainHome
 
             return type("Policy", (GainHome, base), {})
-        from multisrt.competition.rules import policy
+        from multisrt.competition.frontier_policies import policy_class
 
-        return type("Policy", (policy(self.name), base), {})
+        return type("Policy", (policy_class(self.name), base), {})
 
 
-def _joined() -> str:
-    """Return the files of the policy `OWN` as one, without docstrings of modules."""
+def _joined_files() -> str:
+    """Return `GAIN_HOME_FILES` as one text, without the docstrings of modules."""
     bodies: list[str] = []
-    for name in PARTS:
+    for name in GAIN_HOME_FILES:
         text = (FOLDER / name).read_text(encoding="utf-8")
         _, _, body = text.removeprefix('"""').partition('"""\n')
-        lines = OWN_IMPORTS.sub("", body).splitlines()
+        lines = DROPPED_IMPORTS.sub("", body).splitlines()
         before = "\n".join(bodies).splitlines()
         kept = [x for x in lines if not (x.startswith(("import ", "from ")) and x in before)]
         bodies.append("\n".join(kept).strip())

@@ -1,4 +1,4 @@
-"""The competition's sizes, budgets and published first places."""
+"""Map sizes, numbers of steps and winning scores, as published by the competition."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 TEAMS: Final = (1, 2, 3, 4, 5)
-"""Numbers of robots of the two tracks: one alone, and teams."""
+"""Numbers of robots: one alone in the first track, teams in the second."""
 
 SIZES: Final = {
     "env1": "small",
@@ -22,25 +22,28 @@ SIZES: Final = {
 """Size of each released map."""
 
 BUDGETS: Final = {"small": (1000, 500), "medium": (1500, 1000), "large": (2000, 1500)}
-"""Steps of a robot alone and of a team."""
+"""Number of steps of a robot alone and of a team, by map size."""
 
-FIRST: Final = {
+WINNING_SCORES: Final = {
     "alone": {"small": 73.89, "medium": 61.23, "large": 49.81},
     "team": {"small": 64.89, "medium": 68.18, "large": 56.72},
 }
-"""First places of the preliminary round in per cent, by track and size."""
+"""Published scores of the first-placed team of the preliminary round, by track and map size.
+
+They are in per cent.
+"""
 
 MAX_DECISION_S: Final = 0.5
-"""Mean time that a decision may take, for a robot and step."""
+"""Maximum mean time of a decision, per robot and step, in seconds."""
 
 
 def track(robots: int) -> str:
-    """Return the track of a number of robots: ``"alone"`` or ``"team"``."""
+    """Return the track for a number of robots: ``"alone"`` or ``"team"``."""
     return "alone" if robots == 1 else "team"
 
 
 def budget(name: str, robots: int) -> int:
-    """Return the number of steps on a map.
+    """Return the number of steps of a run on a map.
 
     Examples
     --------
@@ -50,19 +53,19 @@ def budget(name: str, robots: int) -> int:
     return BUDGETS[SIZES[name]][track(robots) == "team"]
 
 
-def first_place(robots: int, maps: Iterable[str]) -> float:
-    """Return the published first place as a mean over maps, in per cent.
+def winning_score(robots: int, maps: Iterable[str]) -> float:
+    """Return the published score of the first-placed team, averaged over maps, in per cent.
 
     Parameters
     ----------
     robots : int
-        Number of robots, which gives the track.
+        Number of robots, which determines the track.
     maps : iterable of str
-        The maps, at least one.
+        Names of the maps, at least one.
 
     Examples
     --------
-    >>> round(first_place(2, SIZES), 2)
+    >>> round(winning_score(2, SIZES), 2)
     63.97
     """
-    return float(np.mean([FIRST[track(robots)][SIZES[name]] for name in maps]))
+    return float(np.mean([WINNING_SCORES[track(robots)][SIZES[name]] for name in maps]))

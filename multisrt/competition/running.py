@@ -1,4 +1,4 @@
-"""Executing the runs of a competition in processes of their own."""
+"""Planning the runs of a competition, and executing them in separate processes."""
 
 from __future__ import annotations
 
@@ -16,37 +16,37 @@ from multisrt.competition.simulator import simulate
 from multisrt.geometry.errors import InvalidInputError
 
 
-def planned(
+def planned_jobs(
     clone: Clone,
     maps: Sequence[str],
     teams: Sequence[int],
     starts: Sequence[tuple[int, int]],
     *,
-    number: int,
+    draws: int,
     seed: int,
     steps: int | None = None,
 ) -> tuple[Job, ...]:
-    """Return the runs on some maps with some teams.
+    """Return the runs of all given teams on all given maps.
 
     Parameters
     ----------
     clone : Clone
-        The competition.
+        The clone of the competition.
     maps : sequence of str
         Names of maps.
     teams : sequence of int
         Numbers of robots.
     starts : sequence of (column, row)
-        Where all robots start, on one map; none to draw starts.
-    number, seed : int
-        How many starts are drawn on each map, and the seed.
+        Cells of a single map in which all robots of a run start; empty to draw them.
+    draws, seed : int
+        Number of starts drawn on each map, and the seed of the draws.
     steps : int, optional
-        Number of steps; by default that of the competition.
+        Number of steps of a run; that of the competition by default.
 
     Raises
     ------
     InvalidInputError
-        If starts are given for several maps, or one is not free.
+        If starts are given and there are several maps, or a start is not a free cell.
     """
     if starts and len(maps) != 1:
         raise InvalidInputError(
@@ -56,7 +56,7 @@ def planned(
     for name in maps:
         for start in starts:
             clone.require_start(name, start)
-        places = tuple(starts) or clone.starts(name, number, seed)
+        places = tuple(starts) or clone.starts(name, draws, seed)
         jobs += [
             Job(map=name, robots=n, start=start, steps=steps or budget(name, n))
             for n in teams
@@ -74,7 +74,7 @@ def execute(
     *,
     as_it_is: bool = False,
 ) -> Iterator[tuple[Job, JobResult]]:
-    """Make runs in some processes, and yield each with its result as it ends.
+    """Execute runs in parallel processes, and yield each with its result as it ends.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ def execute(
     Raises
     ------
     InvalidInputError
-        If the policy fails, or a process ends.
+        If the policy fails, or a process is killed.
     """
     if not jobs:
         return

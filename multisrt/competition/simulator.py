@@ -1,7 +1,7 @@
-"""One run in the simulator of a clone, which stays as it is; for a process of its own.
+"""Execution of one run in the simulator of a clone, in a separate process.
 
-The simulator's modules have plain names (``utils``, ``policy``, ``comm``) and are found by the
-import path, so a process that has loaded them is fit for nothing else.
+The clone is not changed. Its modules have common names (``utils``, ``policy``, ``comm``) and are
+found by the import path, so that a process that has imported them should not do anything else.
 """
 
 from __future__ import annotations
@@ -27,17 +27,17 @@ _replaced: tuple[str, ...] | None = None
 
 
 def load(clone: Clone) -> tuple[str, ...]:
-    """Make the simulator of a clone importable; return the modules with a stand-in."""
+    """Make the simulator of a clone importable; return the modules that stand-ins replace."""
     global _replaced
     if _replaced is None:
         _replaced = install()
         sys.path[:0] = [str(clone.folder / "scripts"), str(clone.folder)]
-        sys.dont_write_bytecode = True  # the clone stays as it is
+        sys.dont_write_bytecode = True  # the clone is not changed
     return _replaced
 
 
-class Timed:
-    """A policy, and the time that its decisions take.
+class TimedPolicy:
+    """A wrapper of a policy that measures the time of its decisions.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ class Timed:
     Attributes
     ----------
     seconds : float
-        The time.
+        Total time of all calls of its methods.
     """
 
     def __init__(self, policy: Any) -> None:
@@ -70,7 +70,7 @@ class Timed:
 def simulate(
     folder: Path, any_version: bool, source: PolicySource, job: Job, as_it_is: bool = False
 ) -> JobResult:
-    """Make one run, as the competition's ``main.py`` does, without pictures.
+    """Execute one run, as the competition's ``main.py`` does, without pictures.
 
     Parameters
     ----------
@@ -83,8 +83,9 @@ def simulate(
     job : Job
         The map, the team and its start.
     as_it_is : bool
-        Whether the simulator runs without the functions of `multisrt.competition.faster`, as it
-        does for policies of others and for other versions.
+        Whether to run the original simulator, without the functions of
+        `multisrt.competition.faster`. This is always so for policies of others and for other
+        versions of the simulator.
 
     Returns
     -------
@@ -93,9 +94,9 @@ def simulate(
     Raises
     ------
     InvalidInputError
-        If the policy raises, or names a goal that it may not.
+        If the policy raises an error, or names an invalid goal.
     """
-    # The simulator is run in a folder of its own, where relative paths mean something else.
+    # The simulator runs in its own working directory, so the path has to be absolute.
     folder = folder.resolve()
     clone = Clone(folder, any_version=any_version)
     replaced = load(clone)
@@ -105,39 +106,45 @@ def simulate(
     options.max_steps, options.start_pose = job.steps, list(job.start)
     options.traj_sharing, options.save_viz = True, False
 
-    where, quiet = Path.cwd(), io.StringIO()
+    previous, output = Path.cwd(), io.StringIO()
     os.chdir(folder / "scripts")  # modules add '../' to the import path
     try:
-        with contextlib.redirect_stdout(quiet):
-            return _run(clone, options, source, job, (replaced, fast))
+        with contextlib.redirect_stdout(output):
+            return _run(clone, options, source, job, replaced=replaced, fast=fast)
     finally:
-        os.chdir(where)
+        os.chdir(previous)
 
 
 def _run(
-    clone: Clone, options: Any, source: PolicySource, job: Job, how: tuple[tuple[str, ...], bool]
+    clone: Clone,
+    options: Any,
+    source: PolicySource,
+    job: Job,
+    *,
+    replaced: tuple[str, ...],
+    fast: bool,
 ) -> JobResult:
     began = time.perf_counter()
-    replaced, fast = how
-    part = importlib.import_module
-    part("environment")  # first, as in main.py: its modules import one another in a circle
+    module = importlib.import_module
+    module("environment")  # first, as in main.py: the simulator's imports are circular
     if not clone.changed:
         faster.install(fast)
-    policy = Timed(source.build(part("base_policy").BasePolicy))
-    engine = part("policy").PlanningEngine()
+    policy = TimedPolicy(source.build(module("base_policy").BasePolicy))
+    engine = module("policy").PlanningEngine()
     column, row = job.start
     pose = [row + options.pd_size, column + options.pd_size]
     robots = [
-        part("robot").Robot(i + 1, pose, engine, policy, options, 5 * i) for i in range(job.robots)
+        module("robot").Robot(i + 1, pose, engine, policy, options, 5 * i)
+        for i in range(job.robots)
     ]
-    base = part("base_station").BaseStation(pose)
-    world = part("environment").World(
+    base = module("base_station").BaseStation(pose)
+    world = module("environment").World(
         str(clone.folder.resolve() / "test_maps" / job.map), robots, base
     )
     for robot in robots:
         robot.initialize_map(world)
     base.initialize_map(world)
-    links = part("comm").CommunicationManager()
+    links = module("comm").CommunicationManager()
     for step in range(job.steps):
         world.t = step
         try:
@@ -148,7 +155,7 @@ def _run(
                 f"{type(error).__name__}: {error}"
             ) from error
     return JobResult(
-        coverage=part("scoring").base_station_coverage(base, options),
+        coverage=module("scoring").base_station_coverage(base, options),
         decision_s=policy.seconds / (job.steps * job.robots),
         wall_s=time.perf_counter() - began,
         replaced=replaced,

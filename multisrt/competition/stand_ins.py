@@ -1,17 +1,17 @@
-"""Stand-ins for the modules that the competition's simulator imports and that may be missing.
+"""Stand-ins for modules that the competition's simulator imports and that may be missing.
 
-Where a module is installed, it is used. Otherwise what the simulator calls of it is computed here,
-step by step as there, so that runs are the same to the last cell:
+An installed module is used. Otherwise the functions that the simulator calls are replaced by those
+of this file, which take the same steps, so that runs are the same to the last cell:
 
 ============  ==================================================================================
 range_libc    ranges of rays through a grid by Bresenham's algorithm, in single precision
-pyastar2d     cheapest ways through a grid of four neighbours by A*, ties as a binary heap of
-              C++'s standard library leaves them
+pyastar2d     cheapest paths through a 4-connected grid by A*, with ties broken as by the binary
+              heap of the C++ standard library
 skimage       reduction of blocks, and the cells of a line
 ============  ==================================================================================
 
 Modules that the simulator imports but does not call in a run (cv2, tqdm, matplotlib) are replaced
-by empty ones: no pictures are drawn.
+by empty ones, since no pictures are drawn.
 """
 
 from __future__ import annotations
@@ -28,19 +28,19 @@ from numpy.typing import NDArray
 from multisrt.geometry.numerics.arrays import BoolArray, IntArray
 from multisrt.geometry.numerics.kernel import kernel
 
-Singles = NDArray[np.float32]
+Float32Array = NDArray[np.float32]
 
 COMPUTING: Final = ("range_libc", "pyastar2d", "skimage")
-"""Modules whose results a run depends on."""
+"""Modules on whose results a run depends."""
 
 
 def install() -> tuple[str, ...]:
-    """Put stand-ins for missing modules in place, in this process.
+    """Install stand-ins for missing modules in this process.
 
     Returns
     -------
     tuple of str
-        Those of `COMPUTING` that are replaced.
+        The modules of `COMPUTING` that are replaced.
     """
     replaced = tuple(name for name in COMPUTING if importlib.util.find_spec(name) is None)
     if "range_libc" in replaced:
@@ -71,34 +71,36 @@ def _module(name: str, **contents: Any) -> None:
 
 
 class OccupancyMap:
-    """The occupied cells of a grid, as ``range_libc.PyOMap``."""
+    """The occupied cells of a grid, like ``range_libc.PyOMap``."""
 
     def __init__(self, grid: NDArray[Any]) -> None:
         self.occupied: BoolArray = grid != 0
 
 
 class BresenhamRays:
-    """Ranges of rays, as ``range_libc.PyBresenhamsLine``.
+    """Ranges of rays, like ``range_libc.PyBresenhamsLine``.
 
     Parameters
     ----------
     grid : OccupancyMap
         The occupied cells.
     max_range : float
-        The range in cells.
+        Maximum range in cells.
     """
 
     def __init__(self, grid: OccupancyMap, max_range: float) -> None:
         self._occupied = grid.occupied
         self._max_range = np.float32(max_range)
 
-    def calc_range_many(self, queries: Singles, ranges: Singles) -> None:
-        """Write the range of each ray, given as row, column and angle from the rows."""
+    def calc_range_many(self, queries: Float32Array, ranges: Float32Array) -> None:
+        """Write the range of each ray to `ranges`; the parameters are those of `cast_rays`."""
         cast_rays(self._occupied, queries, self._max_range, ranges)
 
 
 @kernel
-def cast_rays(occupied: BoolArray, queries: Singles, max_range: Any, ranges: Singles) -> None:
+def cast_rays(
+    occupied: BoolArray, queries: Float32Array, max_range: Any, ranges: Float32Array
+) -> None:
     """Write the ranges of rays to the first occupied cell.
 
     Parameters
@@ -109,16 +111,16 @@ def cast_rays(occupied: BoolArray, queries: Singles, max_range: Any, ranges: Sin
         Row and column of the start, and the angle, which is measured from the axis of the rows
         towards that of the columns.
     max_range : float32
-        The range in cells; returned where nothing is met.
+        Maximum range in cells, which is also the range of rays that hit nothing.
     ranges : (n,) array of float32
-        Where the ranges are written: the distance of the occupied cell that is met, or of the last
-        cell of the grid.
+        Output: the distance of the occupied cell that is hit, or of the last cell before the ray
+        leaves the grid.
 
     Notes
     -----
-    Cells are those of a line by Bresenham's algorithm, one in each row if the ray is nearer to the
-    axis of the rows, and else one in each column, computed in single precision. Source: range_libc,
-    ``BresenhamsLine::calc_range``, with its conversion from the frame of a world.
+    The cells of a ray are computed by Bresenham's algorithm in single precision: one in each row if
+    the ray is closer to the axis of the rows, otherwise one in each column. Source: range_libc,
+    ``BresenhamsLine::calc_range``, including its conversion from world coordinates.
     """
     rows, columns = occupied.shape
     turn = np.float32(-3.0 * math.pi / 2.0)
@@ -161,41 +163,42 @@ def cast_rays(occupied: BoolArray, queries: Singles, max_range: Any, ranges: Sin
 
 
 def astar_path(
-    weights: Singles, start: Any, goal: Any, allow_diagonal: bool = False
+    weights: Float32Array, start: Any, goal: Any, allow_diagonal: bool = False
 ) -> NDArray[np.int32] | None:
-    """Return a cheapest way between two cells, as ``pyastar2d.astar_path``.
+    """Return a cheapest path between two cells, like ``pyastar2d.astar_path``.
 
     Parameters
     ----------
     weights : (rows, columns) array of float32
-        Cost of entering a cell, 1 or more; ``inf`` where it cannot be entered.
+        Cost of entering a cell, at least 1; ``inf`` if it cannot be entered.
     start, goal : (row, column)
-        The cells.
+        The two cells.
     allow_diagonal : bool
         Must be False.
 
     Returns
     -------
     (n, 2) array of int32 or None
-        The cells of the way with both ends; None if there is none.
+        The cells of the path, with both ends; None if there is no path.
     """
     if allow_diagonal:
         raise NotImplementedError("paths through the corners of cells need pyastar2d: install it")
-    way = cheapest_way(weights, int(start[0]), int(start[1]), int(goal[0]), int(goal[1]))
-    return way if len(way) else None
+    path = cheapest_path(weights, int(start[0]), int(start[1]), int(goal[0]), int(goal[1]))
+    return path if len(path) else None
 
 
 @kernel
-def cheapest_way(
-    weights: Singles, start_row: int, start_column: int, goal_row: int, goal_column: int
+def cheapest_path(
+    weights: Float32Array, start_row: int, start_column: int, goal_row: int, goal_column: int
 ) -> NDArray[np.int32]:
-    """Return the cells of a cheapest way, ``(n, 2)``; none if there is no way.
+    """Return the cells of a cheapest path, ``(n, 2)``; empty if there is no path.
 
     Notes
     -----
-    A* with the Manhattan distance as bound, costs in single precision, neighbours in the order up,
-    left, right, down, and a binary heap that is kept in order as ``std::priority_queue`` of GCC's
-    library does it, since ways of equal cost depend on it. Source: pyastar2d 1.1.
+    A* with the Manhattan distance as the lower bound, costs in single precision and neighbours in
+    the order up, left, right, down. The binary heap is updated like ``std::priority_queue`` of
+    GCC's standard library, because it determines which of several paths of equal cost is found.
+    Source: pyastar2d 1.1.
     """
     rows, columns = weights.shape
     start, goal = start_row * columns + start_column, goal_row * columns + goal_column
@@ -210,7 +213,7 @@ def cheapest_way(
         if cell == goal:
             found = True
             break
-        # Take the first out: the hole goes down to a leaf, and the last entry rises from there.
+        # Remove the first entry: the hole moves down to a leaf, where the last entry moves up.
         size -= 1
         key, last = keys[size], cells[size]
         hole, child = 0, 0
@@ -257,18 +260,18 @@ def cheapest_way(
     while cell != start:
         cell = before[cell]
         length += 1
-    way = np.empty((length, 2), np.int32)
+    path = np.empty((length, 2), np.int32)
     cell = goal
     for k in range(length - 1, -1, -1):
-        way[k, 0], way[k, 1] = cell // columns, cell % columns
+        path[k, 0], path[k, 1] = cell // columns, cell % columns
         cell = before[cell]
-    return way
+    return path
 
 
 def block_reduce(
     image: NDArray[Any], block_size: tuple[int, int], func: Any = np.sum, cval: float = 0
 ) -> NDArray[Any]:
-    """Reduce blocks of an array, as ``skimage.measure.block_reduce``."""
+    """Reduce blocks of an array, like ``skimage.measure.block_reduce``."""
     high, wide = block_size
     rows, columns = image.shape
     padded = np.pad(image, ((0, -rows % high), (0, -columns % wide)), constant_values=cval)
@@ -277,7 +280,7 @@ def block_reduce(
 
 
 def line(r0: int, c0: int, r1: int, c1: int) -> tuple[IntArray, IntArray]:
-    """Return the cells of a line by Bresenham's algorithm, as ``skimage.draw.line``.
+    """Return the cells of a line by Bresenham's algorithm, like ``skimage.draw.line``.
 
     Examples
     --------

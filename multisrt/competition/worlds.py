@@ -1,8 +1,8 @@
 """The maps of a clone as worlds of this package, with the competition's sensor, radio and budgets.
 
-What wins in the competition's simulator can so be compared in this one, with exact geometry and
-any strategy. The two differ: here robots drive straight and have bodies, scans are exact, and each
-strategy brings its news home in its own way, or not at all.
+They allow comparing any strategy of this package under the conditions of the competition, with
+exact geometry. Its simulator and this one differ: here robots have bodies and drive along straight
+lines, scans are exact, and strategies deliver data to the base by their own rules, or not at all.
 """
 
 from __future__ import annotations
@@ -28,39 +28,40 @@ from multisrt.spec import (
 )
 
 RANGE_FINDER: Final = RangeFinderSpec(range_m=15.0)
-"""The range finder of the competition; here exact instead of 2,500 rays."""
+"""The range finder of the competition; exact here, 2,500 rays there."""
 
 RADIO: Final = RadioSpec(range_m=15.0, walls="weaken", path_loss_exponent=3.5, wall_loss_db=3.0)
-"""The nearest to the competition's links: 15, 12.3, 10.1 and 8.3 m through 0 to 3 walls.
+"""The closest approximation of the competition's links.
 
-There, each cell of a wall costs 10 dB of the 100 that a link bears at 1 m, and 15 m is a bound of
-its own: through walls of three cells links reach 15, 15, 13.9 and 1.9 m.
+Its links reach 15, 12.3, 10.1 and 8.3 m through 0 to 3 walls. In the competition each cell
+of a wall costs 10 dB of the 100 dB that a link tolerates at 1 m, and the range is limited to 15 m:
+through 0 to 3 walls of three cells, links reach 15, 15, 13.9 and 1.9 m.
 """
 
 DRIVE: Final = DriveSpec(kind="holonomic", speed_m_s=0.3)
-"""Three cells of 10 cm in a second: a step of the competition is a second here."""
+"""Three cells of 10 cm per second: a step of the competition corresponds to a second."""
 
 BODY: Final = "disc:0.1"
-"""The body: a robot of the competition is a cell that keeps another one from walls."""
+"""The body: robots of the competition are one cell that keeps one cell of distance from walls."""
 
-APART_M: Final = 0.3
-"""Distance of starts from the base's place, all of which are one cell in the competition."""
+START_SPACING_M: Final = 0.3
+"""Distance of starts from the base; in the competition they are all in its cell."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class CompetitionWorld:
-    """A map of the competition with a place of the base.
+    """A map of the competition with a position of the base.
 
     Attributes
     ----------
     name : str
         The map: ``"env1"`` to ``"env7"``.
     size : str
-        ``"small"``, ``"medium"`` or ``"large"``, which gives the budgets.
+        ``"small"``, ``"medium"`` or ``"large"``, which determines the numbers of steps.
     environment : Environment
-        The world; its suggested starts are five places at that of the base.
+        The world; its suggested starts are the position of the base and four around it.
     base : (x, y)
-        The place of the base in metres.
+        Position of the base in metres.
     """
 
     name: str
@@ -69,7 +70,7 @@ class CompetitionWorld:
     base: tuple[float, float]
 
     def fields(self, robots: int) -> dict[str, Any]:
-        """Return the fields of `RunSpec` that the competition gives for a number of robots.
+        """Return the fields of `RunSpec` that the competition prescribes for a number of robots.
 
         Parameters
         ----------
@@ -79,8 +80,8 @@ class CompetitionWorld:
         Returns
         -------
         dict
-            ``environment``, ``robots``, ``radio``, ``base`` and ``stop``: the range finder of
-            15 m, a body of a cell, the radio, the base, and the budget of steps as seconds.
+            ``environment``, ``robots`` (with body, drive and range finder), ``radio``, ``base`` and
+            ``stop``, the number of steps as seconds.
 
         Raises
         ------
@@ -128,24 +129,24 @@ class CompetitionWorld:
 def competition_worlds(
     folder: str | Path, names: Sequence[str] = (), *, draws: int = 1, seed: int = 0
 ) -> list[CompetitionWorld]:
-    """Return the maps of the competition as worlds, with places of the base drawn on each.
+    """Return the maps of the competition as worlds, each with drawn positions of the base.
 
     Parameters
     ----------
     folder : path-like
         A clone of the competition's repository.
     names : sequence of str
-        Some of the maps; none for all seven.
+        Names of maps; empty for all seven.
     draws : int
-        Places drawn on each map.
+        Number of positions drawn on each map.
     seed : int
-        Seed of the draws. They are those of ``multisrt compete`` with the same ``--draws`` and
-        ``--seed``.
+        Seed of the draws. The positions are the starts of ``multisrt compete`` with the same
+        ``--draws`` and ``--seed``.
 
     Returns
     -------
     list of CompetitionWorld
-        In the order of the maps, then of the draws.
+        Sorted by map, then by draw.
 
     Raises
     ------
@@ -160,19 +161,19 @@ def competition_worlds(
     multisrt.geometry.errors.InvalidInputError: elsewhere is not a clone of the competition: ...
     """
     clone = Clone(Path(folder), any_version=True)
-    found = []
+    worlds = []
     for name in clone.maps(tuple(names)):
         plain = clone.environment(name)
         rows = clone.cells(name)[0].shape[0]
         for column, row in clone.starts(name, draws, seed):
             x, y = (column + 0.5) * CELL_M, (rows - row - 0.5) * CELL_M
             around = ((0, 0), (1, 0), (-1, 0), (0, 1), (0, -1))
-            starts = [(x + APART_M * a, y + APART_M * b) for a, b in around]
+            starts = [(x + START_SPACING_M * a, y + START_SPACING_M * b) for a, b in around]
             environment = Environment(name, plain.free, starts=starts, origin=plain.origin)
-            found.append(
+            worlds.append(
                 CompetitionWorld(name=name, size=SIZES[name], environment=environment, base=(x, y))
             )
-    return found
+    return worlds
 
 
 def competition_environment(folder: str | Path, name: str) -> Environment:
@@ -188,8 +189,8 @@ def competition_environment(folder: str | Path, name: str) -> Environment:
     Returns
     -------
     Environment
-        The free cells inside of the building, 10 cm each, in metres with the lower left corner of
-        the map at the origin.
+        The free cells of 10 cm inside the building. Coordinates are in metres from the lower left
+        corner of the map.
 
     Raises
     ------

@@ -100,10 +100,10 @@ class PlanningEngine:
         if goal is None:
             return robot.pose
         weights = policy_utils.inflate_map(robot.combined_obs_map)
-        way = pyastar2d.astar_path(weights, robot.pose, goal, allow_diagonal=False)
-        if weights[goal[0], goal[1]] == np.inf or way is None:
+        path = pyastar2d.astar_path(weights, robot.pose, goal, allow_diagonal=False)
+        if weights[goal[0], goal[1]] == np.inf or path is None:
             raise InvalidGoalError(f'{goal} cannot be reached')
-        return way[min(3, len(way) - 1)].astype(int)
+        return path[min(3, len(path) - 1)].astype(int)
 """,
     "policy_utils.py": """
 import numpy as np

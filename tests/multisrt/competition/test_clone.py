@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from multisrt.competition.clone import FILES, Clone
+from multisrt.competition.clone import SIMULATOR_FILES, Clone
 from multisrt.competition.worlds import competition_environment
 from multisrt.geometry.errors import InvalidInputError
 
@@ -14,7 +14,7 @@ def test_another_folder_is_refused(tmp_path):
 def test_another_version_is_refused_unless_allowed(fake):
     with pytest.raises(InvalidInputError, match=r"base_policy.py is not .* \(8 more differ\)"):
         Clone(fake)
-    assert Clone(fake, any_version=True).changed == tuple(FILES)
+    assert Clone(fake, any_version=True).changed == tuple(SIMULATOR_FILES)
 
 
 def test_changed_options_are_refused(fake):

@@ -10,12 +10,12 @@ from hypothesis.extra import numpy as arrays
 from scipy import ndimage
 
 from multisrt.competition.faster import (
-    FAR,
+    PLAN_MARGIN,
     draw_line,
-    filled,
+    filled_outline,
+    local_weights,
     merge,
-    note_scan,
-    weights_nearby,
+    write_scan,
 )
 from multisrt.competition.jobs import Job
 from multisrt.competition.policies import PolicySource
@@ -25,7 +25,7 @@ STATES = st.sampled_from([0.0, 0.5, 1.0])
 
 
 def widened(known):
-    """Return what ``inflate_map`` of the competition is told to: by its own functions of scipy."""
+    """Return what ``inflate_map`` of the competition computes, by functions of scipy."""
     blocked = ndimage.binary_dilation(known > 0.5, structure=np.ones((3, 3), bool))
     free = (known == 0) & ~blocked
     distances = ndimage.distance_transform_cdt(free)
@@ -37,8 +37,9 @@ def test_costs_near_a_robot_are_those_of_the_whole_map(walls):
     generator = np.random.default_rng(5)
     known = np.where(generator.random((120, 130)) < walls, 1.0, 0.0)
     known[80:, 70:] = 0.5
-    part = weights_nearby(known, (20, 25), 40)[FAR:-FAR, FAR:-FAR]
-    assert np.array_equal(part, widened(known)[20 + FAR : 101 - FAR, 25 + FAR : 106 - FAR])
+    edge = PLAN_MARGIN
+    part = local_weights(known, (20, 25), 40)[edge:-edge, edge:-edge]
+    assert np.array_equal(part, widened(known)[20 + edge : 101 - edge, 25 + edge : 106 - edge])
 
 
 @given(*[st.integers(0, 30)] * 4)
@@ -52,12 +53,12 @@ def test_lines_are_connected_and_as_long_as_their_ends_are_apart(a, b, c, d):
 
 def test_the_inside_of_an_outline_is_filled():
     square = np.array([[15, 15], [15, 25], [25, 25], [25, 15], [15, 15]])
-    inside, closed = filled(square, (10, 10), 10)
+    inside, closed = filled_outline(square, (10, 10), 10)
     assert closed
     assert np.array_equal(np.argwhere(inside == 2) + 10, np.argwhere(np.ones((9, 9))) + 16)
-    _, closed = filled(square[:4], (10, 10), 10)
+    _, closed = filled_outline(square[:4], (10, 10), 10)
     assert not closed
-    assert not filled(square, (10, 10), 5)[1]  # the robot is on the outline
+    assert not filled_outline(square, (10, 10), 5)[1]  # the robot is on the outline
 
 
 @given(
@@ -79,7 +80,7 @@ def test_a_scan_adds_and_walls_stay():
     unreported = np.zeros((9, 9), bool)
     inside = np.zeros((3, 3), np.int8)
     inside[1] = 2
-    note_scan(inside, (3, 3), np.array([[2, 4]]), known, unreported)
+    write_scan(inside, (3, 3), np.array([[2, 4]]), known, unreported)
     assert np.argwhere(known != 0.5).tolist() == [[2, 4], [4, 3], [4, 4], [4, 5]]
     assert known[4].tolist()[3:6] == [0.0, 1.0, 0.0]
     assert known[2, 4] == 1.0

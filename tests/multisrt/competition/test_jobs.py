@@ -1,6 +1,6 @@
 import pytest
 
-from multisrt.competition.jobs import STORE, Job, JobResult, JobStore, means
+from multisrt.competition.jobs import STORE, Job, JobResult, JobStore, mean_coverages
 from multisrt.geometry.errors import InvalidInputError
 
 RESULT = JobResult(coverage=0.5, decision_s=0.01, wall_s=3.0, replaced=("range_libc",))
@@ -44,4 +44,4 @@ def test_means_are_over_the_starts_of_a_map():
         ),
         job(2): RESULT,
     }
-    assert means(results, ["env1"], 1) == pytest.approx([60.0])
+    assert mean_coverages(results, ["env1"], 1) == pytest.approx([60.0])

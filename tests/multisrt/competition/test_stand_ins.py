@@ -53,13 +53,13 @@ def test_ranges_along_the_axes():
     assert cast(grid, 10, 20, [0.0]).tolist() == [0.0]
 
 
-def test_ways_cost_as_little_as_by_dijkstra():
+def test_paths_cost_as_little_as_by_dijkstra():
     rng = np.random.default_rng(2)
     for _ in range(40):
         weights = rng.integers(1, 11, (12, 15)).astype(np.float32)
         weights[rng.random(weights.shape) < 0.3] = np.inf
         start, goal = (0, 0), (11, 14)
-        way = astar_path(weights, start, goal)
+        path = astar_path(weights, start, goal)
         numbers = np.arange(weights.size).reshape(weights.shape)
         pairs = np.concatenate(
             [
@@ -75,15 +75,15 @@ def test_ways_cost_as_little_as_by_dijkstra():
         pairs, cost = pairs[np.isfinite(cost)], cost[np.isfinite(cost)]
         graph = coo_array((cost, pairs.T), shape=(weights.size, weights.size)).tocsr()
         least = dijkstra(graph)[0, -1]
-        if way is None:
+        if path is None:
             assert np.isinf(least)
             continue
-        assert (tuple(way[0]), tuple(way[-1])) == (start, goal)
-        assert (abs(np.diff(way, axis=0)).sum(axis=1) == 1).all()
-        assert weights[way[1:, 0], way[1:, 1]].sum() == least
+        assert (tuple(path[0]), tuple(path[-1])) == (start, goal)
+        assert (abs(np.diff(path, axis=0)).sum(axis=1) == 1).all()
+        assert weights[path[1:, 0], path[1:, 1]].sum() == least
 
 
-def test_ways_are_those_of_pyastar2d():
+def test_paths_are_those_of_pyastar2d():
     theirs = pytest.importorskip("pyastar2d")
     rng = np.random.default_rng(4)
     for k in range(60):

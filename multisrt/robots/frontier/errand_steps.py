@@ -60,7 +60,7 @@ def agree(robot: FrontierRobot, homing: FrontierHoming, following: Place | None)
     """
     team, pair = robot.team, homing.pair
     team.requests.meet = False
-    if pair.role is not Role.EXPLORER:
+    if not pair.may_meet:
         return
     assert pair.partner is not None
     proposal = homing.propose(robot.course, following)

@@ -2,19 +2,20 @@
 
 The path home is the shortest over cells that are known to be passable, to a node from which the
 base station is certain to hear the robot (`ContactPlaces`). It ends earlier where the base station
-hears the robot on it. If the base station did not hear the robot there, the robot goes to the one
-of these places that is nearest to the base station.
+hears the robot on it. After the base station did not hear the robot at such a place, the only one
+is that nearest to the base station, until it hears the robot again.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 
 from multisrt.geometry.grids.distance_field import DistanceField
 from multisrt.geometry.grids.grid_path import shortest_path
-from multisrt.geometry.numerics.arrays import FloatArray
+from multisrt.geometry.numerics.arrays import BoolArray, FloatArray
 from multisrt.geometry.numerics.distances import length_of
 from multisrt.robots.explorer import RobotSelf
 from multisrt.robots.frontier.course import Course
@@ -39,6 +40,8 @@ class HomePaths:
         What it knows.
     paths : PathFinder
         Its paths.
+    is_unheard : callable
+        Whether the base station did not hear the robot where it should have, and has not since.
 
     Attributes
     ----------
@@ -46,10 +49,14 @@ class HomePaths:
         Places from which the base station hears it.
     """
 
-    def __init__(self, me: RobotSelf, map: ScanMap, paths: PathFinder) -> None:
+    def __init__(
+        self, me: RobotSelf, map: ScanMap, paths: PathFinder, is_unheard: Callable[[], bool]
+    ) -> None:
         self.contact = ContactPlaces(me)
         self._map = map
         self._paths = paths
+        self._is_unheard = is_unheard
+        self._was_unheard = False
         # By place where the robot is heard, the passable cell next to it.
         self._standing: dict[Place, tuple[int, int]] = {}
         self._sources: dict[Place, None] = {}
@@ -76,7 +83,7 @@ class HomePaths:
             Metres, too long by at most the diagonal of a cell; 0 where the base station hears the
             robot, ``inf`` where no path is known.
         """
-        lengths: FloatArray = np.where(self.contact.certainly_in_range_at(places), 0.0, np.inf)
+        lengths: FloatArray = np.where(self._hears_at(places), 0.0, np.inf)
         away = np.isinf(lengths)
         if away.any() and (field := self._home_field()) is not None:
             lengths[away] = field.distance(indices_of(self._map.raster, places[away]))
@@ -84,7 +91,7 @@ class HomePaths:
 
     def length_from(self, place: Place) -> float:
         """Return the length of the path home from a place where the robot stands, in metres."""
-        if self.contact.certainly_in_range(*place):
+        if self._hears_at(np.array([place])).any():
             return 0.0
         centre = self._paths.centre_near(place)
         if centre is None:
@@ -116,15 +123,13 @@ class HomePaths:
                 return np.vstack([shortest_path(field, index[0]), [place]])
         return None
 
-    def goal_home(self, course: Course, *, once_more: bool) -> Goal | None:
+    def goal_home(self, course: Course) -> Goal | None:
         """Return where to go for the base station to hear the robot, around bodies.
 
         Parameters
         ----------
         course : Course
             Where the robot is.
-        once_more : bool
-            Whether it was not heard at such a place: then the one nearest to the base station.
 
         Returns
         -------
@@ -132,18 +137,16 @@ class HomePaths:
             None if no path is free.
         """
         raster, here = self._map.raster, course.at[:2]
-        if self.contact.certainly_in_range(*here) and not once_more:
+        if self._hears_at(np.array([here])).any():
             return Goal(*here, np.array([here]), 0.0)
         places = list(self._standing_places())
         nearest = self._end_from(here)
-        if once_more:
-            places = [min(places, key=lambda place: math.dist(place, self.contact.base))]
         paths = self._paths
         with paths.around_bodies():
             field = paths.own_field()
             if field is None:
                 return None
-            if nearest is not None and not once_more:
+            if nearest is not None:
                 [cost_m] = field.distance(indices_of(raster, np.array([nearest])))
                 if math.isfinite(cost_m):
                     return self._cut(paths.goal_at(field, *nearest))
@@ -151,7 +154,7 @@ class HomePaths:
             if not np.isfinite(costs).any():
                 return None
             found = paths.goal_at(field, *places[int(np.argmin(costs))])
-        return found if once_more else self._cut(found)
+        return self._cut(found)
 
     def goal_near(self, place: Place) -> Goal | None:
         """Return the passable cell nearest to a place as a goal, around bodies."""
@@ -168,6 +171,12 @@ class HomePaths:
         x, y = shortest_path(field, index[0])[0].tolist()
         return x, y
 
+    def _hears_at(self, places: FloatArray) -> BoolArray:
+        """Return at which places, ``(m, 2)``, distance alone makes contact certain."""
+        if self._is_unheard():
+            return np.zeros(len(places), np.bool_)
+        return self.contact.certainly_in_range_at(places)
+
     def _cut(self, goal: Goal) -> Goal:
         """Return a goal whose path ends where the base station first hears the robot."""
         path = goal.path
@@ -178,16 +187,18 @@ class HomePaths:
             for step in range(1, steps + 1):
                 share = step / steps
                 x, y = ax + share * (bx - ax), ay + share * (by - ay)
-                if self.contact.certainly_in_range(x, y):
+                if self._hears_at(np.array([(x, y)])).any():
                     cut = np.vstack([path[:k], [(x, y)]])
                     return Goal(x, y, cut, length_of(cut))
         return goal
 
     def _home_field(self) -> DistanceField | None:
         """Return the field of distances from the places where the base station hears the robot."""
-        raster = self._map.raster
-        if self._revision == raster.revision and self._field is not None:
+        raster, is_unheard = self._map.raster, self._is_unheard()
+        is_current = self._revision == raster.revision and is_unheard == self._was_unheard
+        if is_current and self._field is not None:
             return self._field
+        self._was_unheard = is_unheard
         places = self._standing_places()
         if not places:
             return None
@@ -211,9 +222,15 @@ class HomePaths:
             still = raster.passable[rows, columns].tolist()
             pairs = zip(self._standing.items(), still, strict=True)
             self._standing = {place: cell for (place, cell), stands in pairs if stands}
-        for place in self.contact.places:
+        for place, node in zip(self.contact.places, self.contact.nodes.values(), strict=True):
             if place not in self._standing:
                 cell = raster.passable_near(*place, STANDING_CELLS)
-                if cell is not None:
+                if cell is None:
+                    continue
+                if self.contact.is_certain_beside(node, raster.centre_of(*cell)):
                     self._standing[place] = cell
-        return {raster.centre_of(*cell): None for cell in self._standing.values()}
+        standing = {raster.centre_of(*cell): None for cell in self._standing.values()}
+        if standing and self._is_unheard():
+            base = self.contact.base
+            return {min(standing, key=lambda place: math.dist(place, base)): None}
+        return standing

@@ -84,7 +84,7 @@ class FrontierHoming:
         self.pair = Pair(
             me.robot, me.team, base=me.base, period_s=options.home_period_s, now_s=me.time_s
         )
-        self._home_paths = HomePaths(me, map, paths)
+        self._home_paths = HomePaths(me, map, paths, lambda: self._is_unheard)
         self.chain = (
             Chain(me, options, course, map, team, self._home_paths, self.time, frontiers)
             if options.home == "chain"
@@ -93,7 +93,7 @@ class FrontierHoming:
         if options.home == "relays":
             team.pair = self.pair
         else:
-            self.pair.continue_alone()
+            self.pair.part()
         self.has_left_out = False
         self._options = options
         self._map = map
@@ -107,8 +107,9 @@ class FrontierHoming:
         self._is_worthwhile = False
         # The robots whose bodies barred all paths home, and where this one was.
         self._barring: tuple[frozenset[int], Place] | None = None
-        # Since when nothing was heard of the base station where it should have been.
-        self._unheard_s: list[float] = []
+        # When, and how often in succession, the robot was not heard where it should have been.
+        self._unheard_s = -math.inf
+        self._unheard = 0
 
     # When -----------------------------------------------------------------------------------
 
@@ -143,11 +144,16 @@ class FrontierHoming:
         return home == "worth" or (home == "relays" and not self.pair.is_paired)
 
     @property
+    def _is_unheard(self) -> bool:
+        """Whether the base station did not hear the robot where it should have, nor since."""
+        return self._unheard > 0 and self._team.base_heard_s <= self._unheard_s
+
+    @property
     def _may_be_heard(self) -> bool:
         """Whether the robot knows a place where it may be heard, and has not failed to be so."""
-        unheard, barring = self._unheard_s, self._barring
-        if len(unheard) > 1 and self._team.base_heard_s <= unheard[-1]:
+        if self._is_unheard and self._unheard > 1:
             return False
+        barring = self._barring
         if barring is not None and self._is_barred(*barring):
             return False
         return self._home_paths.knows_contact
@@ -246,12 +252,13 @@ class FrontierHoming:
     def meets_now(self, course: Course) -> bool:
         """Return whether the robot is on an errand of its pair, or has to set out for one now."""
         pair = self.pair
+        if pair.is_relay:
+            pair.knows_home = self._may_be_heard and math.isfinite(
+                self._home_paths.length_from(course.at[:2])
+            )
         if pair.role is Role.ALONE:
             return False
         if pair.role is Role.RELAY:
-            pair.knows_home = pair.knows_home or (
-                self._may_be_heard and math.isfinite(self._home_paths.length_from(course.at[:2]))
-            )
             return pair.knows_home and self.knows_target(course)
         if pair.stage is Stage.UNTIL_DUE and self._is_due(course):
             pair.set_out()
@@ -332,7 +339,7 @@ class FrontierHoming:
         return Errand(
             kind="home",
             why=why,
-            goal=self._home_paths.goal_home(course, once_more=len(self._unheard_s) > 0),
+            goal=self._home_paths.goal_home(course),
             is_over=lambda: not self._team.carries,
             patience_s=self._options.home_wait_s,
         )
@@ -352,6 +359,7 @@ class FrontierHoming:
 
     def note_unheard(self, now_s: float) -> None:
         """Record that nothing was heard of the base station where it should have been."""
-        if self._team.base_heard_s > max(self._unheard_s, default=-math.inf):
-            self._unheard_s.clear()
-        self._unheard_s.append(now_s)
+        self._unheard = self._unheard + 1 if self._is_unheard else 1
+        self._unheard_s = now_s
+        # The path home may be longer now.
+        self._in_time_s = -math.inf

@@ -11,7 +11,8 @@ teammate has what the robot knew, and in vain if it does not come until a while 
 Source: M-TARE (repository `caochao39/mtare_planner`, `grid_world` and `pursuit_mdp`). Differs in:
 targets are frontiers, not cells of 6 m; the route of a teammate is its reported path to its goal,
 and from there the route that this robot plans for it; the cells of a route are as long as the robot
-drives in two steps, so that the Markov chain is as fast as the robot on average; one teammate is
+drives in two steps, so that on its route the Markov chain is on average as fast as the robot (with
+the default probabilities); one teammate is
 pursued at a time, not sampled sets of them; a pursuit in vain is not repeated until the teammate is
 heard again.
 """
@@ -197,7 +198,7 @@ class Pursuit:
         absent = [report for report in absent if not known[report.robot].all()]
         if not absent:
             return None
-        table = RouteTable(self._lengths, targets, reports, known, self._course)
+        table = RouteTable(self._lengths, targets, reports, known, self._course, self._speed_m_s)
         separate = table.separate_routes()
         best: tuple[tuple[int, float], Quarry] | None = None
         for report in absent:

@@ -79,6 +79,8 @@ class RouteTable:
         For each of the others, by number and in the same order, which targets it knows.
     course : Course
         Where this robot is.
+    speed_m_s : float
+        Speed of the robots in metres per second.
     """
 
     def __init__(
@@ -88,6 +90,7 @@ class RouteTable:
         reports: Sequence[RobotReport],
         known: Mapping[int, BoolArray],
         course: Course,
+        speed_m_s: float,
     ) -> None:
         self._lengths = lengths
         self._targets = targets
@@ -98,7 +101,10 @@ class RouteTable:
         found = lengths.costs([(x, y) for x, y in targets.tolist()], targets)
         # The march along a path gives slightly different lengths from either end.
         self._path_lengths = np.minimum(found, found.T)
-        self._before = np.array([0.0, *(report.remaining_m for report in reports)])
+        # The others are taken to have driven on since they reported.
+        driven = [(course.time_s - report.time_s) * speed_m_s for report in reports]
+        rest = [max(0.0, r.remaining_m - m) for r, m in zip(reports, driven, strict=True)]
+        self._before = np.array([0.0, *rest])
         self._known = np.array([np.ones(len(targets), np.bool_), *known.values()])
 
     def row_of(self, robot: int) -> int:

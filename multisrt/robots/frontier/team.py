@@ -36,7 +36,7 @@ from multisrt.robots.frontier.options import FrontierOptions
 from multisrt.robots.frontier.requests import Requests
 from multisrt.robots.frontier.scan_map import ScanMap
 from multisrt.robots.frontier.teammates import Teammates
-from multisrt.robots.homing.pairs import Pair, ReadyMessage, RendezvousMessage, Role
+from multisrt.robots.homing.pairs import Pair, ReadyMessage, RendezvousMessage
 from multisrt.robots.knowledge import EntriesMessage, Entry, Node, NodeId, WantMessage
 from multisrt.robots.listening import Listener, counts_beyond, have_of
 from multisrt.robots.messages import Message
@@ -303,7 +303,7 @@ class Team(Listener):
             case AssignmentMessage():
                 self.requests.assignment = message
             case ReadyMessage():
-                if self.pair is not None and self.pair.role is Role.EXPLORER:
+                if self.pair is not None and self.pair.may_meet:
                     self.requests.meet = True
             case RendezvousMessage():
                 if self.pair is not None:
@@ -355,7 +355,8 @@ class Team(Listener):
             # The explorer proposes it again.
             yield from self._ask_for_missing(message.sender, message.have)
             return
-        pair.accept(message)
+        if not pair.accept(message):
+            return
         answer = RendezvousMessage(
             sender=self.number,
             appointment=message.appointment,
@@ -367,13 +368,13 @@ class Team(Listener):
     def _tell_ready(self, report: RobotReport) -> Steps:
         """Tell the explorer of the pair that its relay is here, for its news or as it is time."""
         pair, now_s = self.pair, self._course.time_s
-        if pair is None or report.robot != pair.partner or not pair.is_paired:
+        if pair is None or report.robot != pair.partner:
             return
         # Before the time, it stops its explorer for news only that do not come home as it is.
         radio = self._me.radio
         is_linked = (radio.multi_hop or radio.reaches_all) and self.is_in_touch
         has_news = not is_linked and counts_beyond(report.have, self.base_has)
-        is_due = now_s >= pair.rendezvous.due_s
+        is_due = pair.is_paired and now_s >= pair.rendezvous.due_s
         if (has_news or is_due) and pair.take_ready_turn(now_s, self.period_s):
             ready = ReadyMessage(sender=self.number, number=pair.rendezvous.number)
             yield Send(ready, report.robot)

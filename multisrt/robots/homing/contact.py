@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import shapely
+from shapely import LineString
 
 from multisrt.geometry.numerics.arrays import BoolArray, FloatArray
 from multisrt.geometry.numerics.distances import inside
@@ -38,7 +40,7 @@ class ContactPlaces:
         Where the base station is, in metres.
     places : list of (x, y)
         Places of the nodes in metres, in the order in which the nodes became known.
-    nodes : dict of NodeId
+    nodes : dict of NodeId to Node
         The nodes, in the same order.
 
     Examples
@@ -67,7 +69,7 @@ class ContactPlaces:
         assert me.base is not None
         self.base: Place = me.base
         self.places: list[Place] = []
-        self.nodes: dict[NodeId, None] = {}
+        self.nodes: dict[NodeId, Node] = {}
         self._range_m = me.radio.range_m - RANGE_MARGIN_M
         self._walls_matter = me.radio.walls_matter
         self._looked_at = 0
@@ -82,7 +84,7 @@ class ContactPlaces:
             x, y, _ = node.configuration
             if self.is_certain(node):
                 self.places.append((x, y))
-                self.nodes[node.id] = None
+                self.nodes[node.id] = node
         self._looked_at = len(nodes)
         return len(self.places) > before
 
@@ -92,6 +94,14 @@ class ContactPlaces:
         if math.dist((x, y), self.base) > self._range_m:
             return False
         return not self._walls_matter or inside(node.region.boundary, *self.base)
+
+    def is_certain_beside(self, node: Node, place: Place) -> bool:
+        """Return whether it is certain to hear a robot at a place beside one of `nodes`."""
+        if math.dist(place, self.base) > self._range_m:
+            return False
+        return not self._walls_matter or bool(
+            shapely.covers(shapely.Polygon(node.region.boundary), LineString([place, self.base]))
+        )
 
     def certainly_in_range(self, x: float, y: float) -> bool:
         """Return whether distance alone makes contact certain at a place.

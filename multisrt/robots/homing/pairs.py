@@ -9,7 +9,8 @@ rendezvous. The first place is that of the base station, which all robots know.
 Both robots drive to the place, the explorer in time and the relay once it has delivered. They wait
 there until a while after the agreed time, and then at the backup place. A robot whose partner comes
 to neither presumes it lost and continues alone, which makes an explorer of a relay; so no robot
-waits forever. The states below are those of `Stage`, but for `ALONE`, which is a `Role`::
+waits forever. When such a relay hears its explorer again, the two are a pair again as soon as they
+agree on a rendezvous. The states below are those of `Stage`, but for `ALONE`, which is a `Role`::
 
                set out            partner missed           partner missed
     UNTIL_DUE ---------> PLACE -------------------> BACKUP ---------------> ALONE
@@ -18,7 +19,7 @@ waits forever. The states below are those of `Stage`, but for `ALONE`, which is 
 
 A robot is in `UNTIL_DUE` while it explores, or as a relay while it delivers. A relay begins in
 `PLACE`. Where the backup place is the place itself, `BACKUP` is left out. An explorer that is done
-tells its relay so when they meet, and both continue alone.
+tells its relay so when they meet, and both continue alone for good.
 
 A pair meets by radio. A relay on its way to the rendezvous that hears its explorer tells it that it
 is ready. A relay that knows no path home explores like any robot, and accepts no data. The explorer
@@ -54,7 +55,7 @@ class Rendezvous(msgspec.Struct, frozen=True, kw_only=True):
     Attributes
     ----------
     number : int
-        Serial number among those of the pair.
+        Serial number among the proposals of the explorer.
     place : (x, y)
         Place in metres.
     backup : (x, y)
@@ -165,6 +166,8 @@ class Pair:
         Explorer: whether the last proposal was accepted.
     knows_home : bool
         Relay: whether it knows a path to where the base station hears it.
+    may_meet : bool
+        Whether the robot has a partner that has not told it that it is done.
 
     Examples
     --------
@@ -191,6 +194,10 @@ class Pair:
         self.proposed: Rendezvous | None = None
         self.accepted = False
         self.knows_home = False
+        self.may_meet = self.partner is not None
+        # What it does while it has a partner.
+        self._paired_role = self.role
+        self._proposals = 0
         self._period_s = period_s
         self._ready_s = -math.inf
 
@@ -198,6 +205,11 @@ class Pair:
     def is_paired(self) -> bool:
         """Whether the robot has a partner that it does not presume lost."""
         return self.role is not Role.ALONE
+
+    @property
+    def is_relay(self) -> bool:
+        """Whether it is the relay of its pair, even while it explores alone."""
+        return self.may_meet and self._paired_role is Role.RELAY
 
     def target(self) -> Place:
         """Return where the robot goes to meet its partner, in metres."""
@@ -217,8 +229,13 @@ class Pair:
             self.continue_alone()
 
     def continue_alone(self) -> None:
-        """Leave the pair, and explore alone from now on."""
+        """Explore alone, until the partner is heard from and they agree on a rendezvous."""
         self.role = Role.ALONE
+
+    def part(self) -> None:
+        """Explore alone from now on."""
+        self.may_meet = False
+        self.continue_alone()
 
     # The explorer ---------------------------------------------------------------------------
 
@@ -248,8 +265,9 @@ class Pair:
         self.accepted = False
         self.proposed = None
         if place is not None:
+            self._proposals += 1
             self.proposed = Rendezvous(
-                number=self.rendezvous.number + 1,
+                number=self._proposals,
                 place=place,
                 backup=self.rendezvous.place,
                 due_s=now_s + max(self._period_s, round_s),
@@ -262,7 +280,7 @@ class Pair:
             return
         self.accepted = True
         if message.appointment is None:
-            self.continue_alone()
+            self.part()
         else:
             self._keep(message.appointment)
 
@@ -278,19 +296,28 @@ class Pair:
         period_s : float
             Minimum time between two announcements in seconds.
         """
-        waits = self.role is Role.RELAY and self.stage is not Stage.UNTIL_DUE
-        if not (waits and self.knows_home) or now_s < self._ready_s + period_s:
+        waits = self.role is Role.ALONE or self.stage is not Stage.UNTIL_DUE
+        if not (self.is_relay and waits and self.knows_home) or now_s < self._ready_s + period_s:
             return False
         self._ready_s = now_s
         return True
 
-    def accept(self, message: RendezvousMessage) -> None:
-        """Keep a proposed rendezvous, or continue alone if the explorer is done."""
+    def accept(self, message: RendezvousMessage) -> bool:
+        """Keep a proposed rendezvous, or continue alone if the explorer is done.
+
+        Returns
+        -------
+        bool
+            Whether the relay accepts: the message is not older than the rendezvous that it keeps.
+        """
         if message.appointment is None:
-            self.continue_alone()
-        elif message.appointment.number > self.rendezvous.number:
+            self.part()
+            return True
+        if message.appointment.number > self.rendezvous.number:
             self._keep(message.appointment)
+        return message.appointment == self.rendezvous
 
     def _keep(self, rendezvous: Rendezvous) -> None:
         self.rendezvous = rendezvous
         self.stage = Stage.UNTIL_DUE
+        self.role = self._paired_role

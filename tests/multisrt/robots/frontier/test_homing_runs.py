@@ -212,6 +212,27 @@ def test_it_is_called_home_on_the_way_when_the_time_has_come():
     assert robot.is_called_home()
 
 
+def test_who_was_not_heard_goes_nearer_to_the_base_until_it_is_heard_again():
+    robot = corridor_robot()
+    homing, team = robot.homing, robot.team
+
+    def ends_at():
+        return homing.errand(robot.course, "").goal.place[0]
+
+    # The base station at x = 1 hears it at 3 m, less 5 cm.
+    assert ends_at() == pytest.approx(3.95, abs=0.1)
+    assert homing.in_time(robot.course, np.array([[13.5, 0.6]]), np.array([0.0]))[0]
+    robot.course.time_s = 50.0
+    homing.note_unheard(50.0)
+    assert ends_at() == pytest.approx(1.0, abs=0.2)
+    # The path home is longer by 3 m, or 7.5 s with their margin.
+    robot.course.time_s = 55.0
+    assert robot.is_called_home()
+    team.base_heard_s = 54.0
+    assert ends_at() == pytest.approx(3.95, abs=0.1)
+    assert not robot.is_called_home()
+
+
 BRANCHED = Environment(
     "branched", shapely.union_all([shapely.box(0, 0, 60, 1.2), shapely.box(4.4, 1.2, 5.6, 12)])
 )

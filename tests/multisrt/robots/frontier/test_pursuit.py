@@ -217,10 +217,10 @@ def test_what_a_teammate_finds_itself_is_not_learned_by_pursuits():
 OFFICE = CatalogEnvironment(name="office", parameters={"width_m": 20.0, "height_m": 14.0}, seed=1)
 
 
-def run_with(rule="minpos", *, seed=1, faults=(), robots=3, **options):
+def run_with(rule="minpos", *, environment=OFFICE, seed=1, faults=(), robots=3, **options):
     return simulate(
         RunSpec(
-            environment=OFFICE,
+            environment=environment,
             strategy=rule,
             options={"pursue": True} | options,
             robots=(RobotSpec(),) * robots,
@@ -238,7 +238,7 @@ def pursuits(recording):
 
 
 def test_who_is_pursued_learns_what_the_other_knew():
-    recording = run_with()
+    recording = run_with(environment=CatalogEnvironment(name="library"))
     assert recording.footer.outcome == "complete"
     begun = pursuits(recording)
     assert begun

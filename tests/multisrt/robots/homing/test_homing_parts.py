@@ -153,6 +153,19 @@ def test_behind_walls_the_base_must_lie_in_the_region(rectangle_node):
     assert not contact.certainly_in_range(1.0, 1.0)
 
 
+def test_beside_a_node_contact_is_not_taken_for_granted(rectangle_node):
+    # The region is x from 0 to 4 and y from 0 to 2, with the base station in it.
+    [node] = nodes_at(rectangle_node, (0.0, 4.0)).nodes.values()
+    open_, walls = (
+        ContactPlaces(self_with(radio=RadioSelf(range_m=1.5, walls_matter=matter)))
+        for matter in (False, True)
+    )
+    x, y = open_.base
+    inside, too_far, behind = (x + 1.4, y), (x + 1.46, y), (x, y + 1.2)
+    assert [open_.is_certain_beside(node, at) for at in (inside, too_far, behind)] == [1, 0, 1]
+    assert [walls.is_certain_beside(node, at) for at in (inside, too_far, behind)] == [1, 0, 0]
+
+
 # The delivered share -----------------------------------------------------------------------------
 
 
@@ -256,11 +269,51 @@ def test_a_relay_accepts_once_and_never_an_older_rendezvous():
     assert relay.rendezvous == first.appointment
 
 
+def answer_to(proposal):
+    return RendezvousMessage(sender=1, appointment=proposal.appointment, have=(), accepts=True)
+
+
+def test_a_lost_acceptance_leaves_no_two_rendezvous():
+    explorer, relay = pair_of(0), pair_of(1)
+    assert relay.accept(explorer.propose((9.0, 1.0), 0.0, 0.0, (), 0))
+    # The explorer did not hear that, and proposes another place when they meet again.
+    second = explorer.propose((1.0, 20.0), 90.0, 0.0, (), 0)
+    assert relay.accept(second)
+    explorer.take_acceptance(answer_to(second))
+    assert explorer.rendezvous == relay.rendezvous == second.appointment
+
+
+def test_a_proposal_that_comes_late_is_not_accepted():
+    explorer, relay = pair_of(0), pair_of(1)
+    first = explorer.propose((9.0, 1.0), 0.0, 0.0, (), 0)
+    second = explorer.propose((12.0, 1.0), 1.0, 0.0, (), 0)
+    assert relay.accept(second)
+    assert not relay.accept(first)
+    assert relay.rendezvous == second.appointment
+
+
+def test_a_pair_that_missed_each_other_is_one_again_when_it_agrees():
+    explorer, relay = pair_of(0), pair_of(1)
+    explorer.note_missed()
+    relay.note_missed()
+    assert explorer.role is relay.role is Role.ALONE
+    assert not relay.take_ready_turn(100.0, 0.5), "it knows no path home"
+    relay.knows_home = True
+    assert relay.take_ready_turn(101.0, 0.5)
+    proposal = explorer.propose((9.0, 1.0), 101.0, 0.0, (), 0)
+    assert relay.accept(proposal)
+    assert explorer.role is Role.ALONE, "until it hears that"
+    explorer.take_acceptance(answer_to(proposal))
+    assert (explorer.role, relay.role) == (Role.EXPLORER, Role.RELAY)
+
+
 def test_an_explorer_that_is_done_lets_its_relay_go():
     explorer, relay = pair_of(0), pair_of(1)
+    relay.knows_home = True
     relay.accept(explorer.propose(None, 5.0, 0.0, (), 0))
     explorer.take_acceptance(RendezvousMessage(sender=1, appointment=None, have=(), accepts=True))
     assert explorer.role is relay.role is Role.ALONE
+    assert not relay.take_ready_turn(50.0, 0.5), "they are none again"
 
 
 def test_a_relay_says_that_it_is_ready_once_a_period_and_on_its_way_out_only():

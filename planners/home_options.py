@@ -1,4 +1,4 @@
-"""Parameters of robots that can bring news to a base station, whatever their strategy is."""
+"""Parameters of robots that can return data to a base station, whatever their strategy is."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Notes on a base station that robots do not reach, or that lacks news."""
+"""Notes on a base station that robots do not reach, or that lacks data."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ def base_apart(spec: RunSpec, environment: Environment, starts: Sequence[Configu
 
 
 def not_delivered(run: Run) -> str:
-    """Return a note if the base station learned nothing, or lacks news of robots that bring it.
+    """Return a note if the base station learned nothing, or lacks data of robots that deliver it.
 
     It is empty if there is nothing to tell, or no base station.
 

@@ -1,4 +1,4 @@
-"""The numbers that the page about bringing news home states of its examples."""
+"""The numbers that the page about returning data states of its examples."""
 
 from pathlib import Path
 

@@ -119,7 +119,7 @@ def limit(run: JudgedRun) -> float:
         if options["pursue"]:
             waits_s += options["pursue_wait_s"] + options["pursue_steps"] * options["pursue_step_s"]
     if run.recording.spec.base is not None:
-        # Home with news; pairs: at the place, at its backup, and for the time agreed on; chains:
+        # Home with data; pairs: at the place, at its backup, and for the time agreed on; chains:
         # for a front that is not heard.
         homes = {"never": 0.0, "relays": 6.0, "chain": 12.0}
         waits_s += homes.get(options["home"], 3.0) * options["home_wait_s"]

@@ -29,7 +29,7 @@ def errand_now(robot: FrontierRobot) -> Errand | None:
 
 
 def news_errand(robot: FrontierRobot, homing: FrontierHoming) -> Errand | None:
-    """Return the errand that brings news home, or to the partner that does."""
+    """Return the errand that delivers data, or to the partner that does."""
     why = homing.reason(robot.course) if robot.team.carries else None
     if why is not None:
         robot.team.requests.meet = False
@@ -41,7 +41,7 @@ def news_errand(robot: FrontierRobot, homing: FrontierHoming) -> Errand | None:
         return None
     if pair.role is Role.RELAY and pair.stage is Stage.UNTIL_DUE:
         if homing.may_deliver(robot.course):
-            return homing.errand(robot.course, f"it carries the news of robot {pair.partner}")
+            return homing.errand(robot.course, f"it carries the data of robot {pair.partner}")
         pair.set_out()
     return homing.meeting(robot.course)
 
@@ -71,12 +71,12 @@ def agree(robot: FrontierRobot, homing: FrontierHoming, following: Place | None)
         if pair.accepted:
             break
     team.requests.meet = False
-    made = proposal.appointment
-    text = f"meets robot {pair.partner}, which takes its news"
+    made = proposal.rendezvous
+    text = f"meets robot {pair.partner}, which takes its data"
     if not pair.accepted:
-        text = f"meets robot {pair.partner}, which accepts no appointment"
+        text = f"meets robot {pair.partner}, which accepts no rendezvous"
     elif made is not None:
-        text += f"; next at {made.due_s:.0f} s (appointment {made.number})"
+        text += f"; next at {made.due_s:.0f} s (rendezvous {made.number})"
     place = None if made is None else made.place
     yield Note(Decided(time_s=robot.time_s, robot=robot.me.robot, text=text, goal=place))
 

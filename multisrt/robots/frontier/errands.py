@@ -11,13 +11,13 @@ from multisrt.events import Purpose
 from multisrt.robots.frontier.goal import Goal
 
 ErrandKind = Literal["home", "meet", "pursue", "link", "wait"]
-"""Deliver news to the base station, meet the partner of the pair, pursue a teammate that is out of
+"""Deliver data to the base station, meet the partner of the pair, pursue a teammate that is out of
 touch, stand as a relay, or wait for relays."""
 
 WHAT: Final = {
     "home": "goes home",
-    "meet": "goes to meet its mate",
-    "pursue": "goes after a mate",
+    "meet": "goes to meet its partner",
+    "pursue": "goes after a teammate",
     "link": "stands",
     "wait": "waits",
 }

@@ -1,4 +1,4 @@
-"""When a robot that goes to frontiers brings its news home, or meets the partner of its pair.
+"""When a robot that goes to frontiers delivers its data, or meets the partner of its pair.
 
 The parts of `multisrt.robots.homing` are joined here for such a robot. What it then does is an
 errand: a drive to where the base station hears it, or to where it meets its partner. A robot that
@@ -34,7 +34,7 @@ ELSEWHERE_M = 1.0
 
 
 class FrontierHoming:
-    """When and where a robot goes to bring news home.
+    """When and where a robot goes to deliver data.
 
     Parameters
     ----------
@@ -308,7 +308,7 @@ class FrontierHoming:
         return Errand(
             kind="meet",
             why=f"robot {pair.partner}, at {'the backup of ' * (stage is Stage.BACKUP)}"
-            f"appointment {rendezvous.number}",
+            f"rendezvous {rendezvous.number}",
             goal=self._home_paths.goal_near(pair.target()),
             is_over=lambda: (
                 pair.rendezvous.number != rendezvous.number

@@ -24,7 +24,7 @@
     (a) reached, news, nothing left, no way, stop signal, assigned
     (b) blocked, stop signal, assigned
 
-Robots that bring news home (`multisrt.robots.homing`) have errands besides::
+Robots that deliver data (`multisrt.robots.homing`) have errands besides::
 
     CHOOSING ---- goal ----> DRIVING ---- arrived ----> ATTENDING --- asked ---> YIELDING
       ^   |                     |                           |
@@ -126,9 +126,9 @@ class Event(StrEnum):
     CALLED_ON = "called on"
     """The robot was done, and heard something new."""
     ERRAND = "errand"
-    """The robot has an errand (`multisrt.robots.frontier.errands`): to bring news home, to meet
+    """The robot has an errand (`multisrt.robots.frontier.errands`): to deliver data, to meet
     its partner, to pursue a teammate, or to stand in a chain; or it has met the robot that takes
-    its news."""
+    its data."""
     ERRAND_OVER = "errand over"
     """An errand is over: it is done, it is not needed any more, or the robot has waited in
     vain."""

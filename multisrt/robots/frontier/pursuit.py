@@ -99,7 +99,7 @@ class Pursuit:
     frontiers : Frontiers
         Its targets.
     homing : FrontierHoming or None
-        What brings its news home, which has priority.
+        What delivers its data, which has priority.
     """
 
     def __init__(

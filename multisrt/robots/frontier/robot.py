@@ -78,7 +78,7 @@ class FrontierRobot:
     team : Team
         Its messages, and what it knows of the others.
     homing : FrontierHoming or None
-        What brings its news home, if anything does.
+        What delivers its data, if anything does.
     pursuit : Pursuit or None
         When it pursues teammates that are out of touch, if it may.
     car : CarDriver or None
@@ -89,8 +89,8 @@ class FrontierRobot:
     Raises
     ------
     InvalidInputError
-        If the cells of the raster are wider than the body, or the time limit is too short to bring
-        news home.
+        If the cells of the raster are wider than the body, or the time limit is too short to deliver
+        data.
     """
 
     def __init__(self, me: RobotSelf, options: FrontierOptions, watch: Watch | None = None) -> None:
@@ -266,7 +266,7 @@ class FrontierRobot:
         return near and inside(self.map.boundary, goal.x, goal.y)
 
     def is_called_home(self) -> bool:
-        """Return whether the robot must end its drive to bring news home or to meet its partner."""
+        """Return whether the robot must end its drive to deliver data or to meet its partner."""
         return self.homing is not None and self.homing.must_interrupt(self.course)
 
     def driven_body(self) -> PlanningBody:

@@ -181,7 +181,7 @@ class Team(Listener):
 
     @property
     def is_in_touch(self) -> bool:
-        """Whether the base station was heard lately: it acknowledges news at once."""
+        """Whether the base station was heard lately: it acknowledges data at once."""
         return self._is_recent(self.base_heard_s)
 
     def hears(self, robot: int) -> bool:
@@ -359,18 +359,18 @@ class Team(Listener):
             return
         answer = RendezvousMessage(
             sender=self.number,
-            appointment=message.appointment,
+            rendezvous=message.rendezvous,
             have=self._entries.counts(),
             accepts=True,
         )
         yield Send(answer, message.sender)
 
     def _tell_ready(self, report: RobotReport) -> Steps:
-        """Tell the explorer of the pair that its relay is here, for its news or as it is time."""
+        """Tell the explorer of the pair that its relay is here, for its data or as it is time."""
         pair, now_s = self.pair, self._course.time_s
         if pair is None or report.robot != pair.partner:
             return
-        # Before the time, it stops its explorer for news only that do not come home as it is.
+        # Before the time, it stops its explorer only for data that is not delivered as it is.
         radio = self._me.radio
         is_linked = (radio.multi_hop or radio.reaches_all) and self.is_in_touch
         has_news = not is_linked and counts_beyond(report.have, self.base_has)

@@ -1,1 +1,1 @@
-"""Bringing news home: when robots drive back so that the base station learns what they know."""
+"""Returning data: when robots drive back so that the base station learns what they know."""

@@ -26,7 +26,7 @@ from multisrt.robots.robot_self import RobotSelf
 
 
 class LimitTooShortError(InvalidInputError):
-    """The time limit of a run is too short for a robot to bring news home.
+    """The time limit of a run is too short for a robot to deliver data.
 
     Parameters
     ----------
@@ -133,7 +133,7 @@ class JustInTime:
         if short_s > 0.0:
             needed_s = math.ceil(self.limit_s + short_s)
             raise LimitTooShortError(
-                f"the time limit of {self.limit_s:g} s is too short to bring news home: robot "
+                f"the time limit of {self.limit_s:g} s is too short to deliver data: robot "
                 f"{me.robot} begins at {me.time_s:g} s, {away_m:.3g} m from the base station, and "
                 f"takes {self.travel_time_s(least_m):.3g} s to where it is heard and "
                 f"{self.reserve_s:.3g} s in reserve; give a limit (max_time_s, --max-time) of at "

@@ -1,4 +1,4 @@
-"""Options of all strategies whose robots can bring news to a base station."""
+"""Options of all strategies whose robots can return data to a base station."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def require_home(spec: RunSpec, kind: type[msgspec.Struct], options: Mapping[str
     Traceback (most recent call last):
     ...
     multisrt.geometry.errors.InvalidInputError: option home='in-time' of minpos needs a base \
-station to bring news to: give its place, base=(x, y) or --base X,Y
+station to return data to: give its place, base=(x, y) or --base X,Y
     """
     if not issubclass(kind, HomeOptions):
         return
@@ -78,7 +78,7 @@ station to bring news to: give its place, base=(x, y) or --base X,Y
         return
     if spec.base is None:
         raise InvalidInputError(
-            f"option home={home!r} of {spec.strategy} needs a base station to bring news to: "
+            f"option home={home!r} of {spec.strategy} needs a base station to return data to: "
             "give its place, base=(x, y) or --base X,Y"
         )
     if home == "chain" and len(spec.robots) == 1:

@@ -1,7 +1,7 @@
 """Pairs of an explorer and a relay that meet at agreed places: what one robot keeps of its pair.
 
 Robots 0 and 1 are a pair, 2 and 3 the next, and so on: the first of them explores, the second
-carries its news to the base station. The last robot of an odd team explores alone. Whenever a pair
+carries its data to the base station. The last robot of an odd team explores alone. Whenever a pair
 meets, it agrees on its next *rendezvous*: a place, which is where the explorer goes next; a time by
 which the relay can have been home and there; and a backup place, which is the place of the present
 rendezvous. The first place is that of the base station, which all robots know.
@@ -71,7 +71,7 @@ class Rendezvous(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class ReadyMessage(Message, frozen=True, kw_only=True):
-    """A relay tells its explorer that it can take its news.
+    """A relay tells its explorer that it can take its data.
 
     Attributes
     ----------
@@ -94,7 +94,7 @@ class RendezvousMessage(Message, frozen=True, kw_only=True):
 
     Attributes
     ----------
-    appointment : Rendezvous or None
+    rendezvous : Rendezvous or None
         The rendezvous; None: the explorer is done, and goes home itself.
     have : tuple of (robot, nodes, closings)
         What the sender knows: a relay accepts when it knows as much. See `Counts`.
@@ -103,9 +103,9 @@ class RendezvousMessage(Message, frozen=True, kw_only=True):
     """
 
     # Recordings hold the kind, and the size, to which the names of the fields belong.
-    kind: ClassVar[str] = "appointment"
+    kind: ClassVar[str] = "rendezvous"
 
-    appointment: Rendezvous | None
+    rendezvous: Rendezvous | None
     have: Counts
     accepts: bool = False
 
@@ -272,17 +272,17 @@ class Pair:
                 backup=self.rendezvous.place,
                 due_s=now_s + max(self._period_s, round_s),
             )
-        return RendezvousMessage(sender=sender, appointment=self.proposed, have=have)
+        return RendezvousMessage(sender=sender, rendezvous=self.proposed, have=have)
 
     def take_acceptance(self, message: RendezvousMessage) -> None:
         """Take the relay's answer; ignore an answer to another proposal."""
-        if message.appointment != self.proposed:
+        if message.rendezvous != self.proposed:
             return
         self.accepted = True
-        if message.appointment is None:
+        if message.rendezvous is None:
             self.part()
         else:
-            self._keep(message.appointment)
+            self._keep(message.rendezvous)
 
     # The relay ------------------------------------------------------------------------------
 
@@ -310,12 +310,12 @@ class Pair:
         bool
             Whether the relay accepts: the message is not older than the rendezvous that it keeps.
         """
-        if message.appointment is None:
+        if message.rendezvous is None:
             self.part()
             return True
-        if message.appointment.number > self.rendezvous.number:
-            self._keep(message.appointment)
-        return message.appointment == self.rendezvous
+        if message.rendezvous.number > self.rendezvous.number:
+            self._keep(message.rendezvous)
+        return message.rendezvous == self.rendezvous
 
     def _keep(self, rendezvous: Rendezvous) -> None:
         self.rendezvous = rendezvous

@@ -1,4 +1,4 @@
-"""Breaking off a task to bring news home, and going on with it."""
+"""Breaking off a task to deliver data, and going on with it."""
 
 from __future__ import annotations
 

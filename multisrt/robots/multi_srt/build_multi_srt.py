@@ -67,7 +67,7 @@ class SrtExplorer:
             yield from follow_orders(robot)
 
     def explore(self) -> Steps:
-        """Extend the own tree; bring news home meanwhile, and in the end."""
+        """Extend the own tree; deliver data meanwhile, and in the end."""
         robot = self.robot
         root = robot.trees.root
         yield from bringing_home(robot, lambda: until_boxed_in(robot, build_srt(robot)), root)
@@ -76,7 +76,7 @@ class SrtExplorer:
         yield from bring_the_rest(robot, "it has explored its tree")
 
     def support(self, supported: Supported) -> Steps:
-        """Extend the trees of others; bring news home meanwhile."""
+        """Extend the trees of others; deliver data meanwhile."""
         yield from bringing_home(self.robot, lambda: support_others(self.robot, supported), None)
 
     def end_in_time(self) -> Steps:

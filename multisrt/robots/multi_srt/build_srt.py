@@ -158,7 +158,7 @@ def decide(
     BoxedIn
         If no path was found too many times in a row.
     CalledHome, OutOfTime
-        If the robot is to bring news home, or has no time for more; see `homing`.
+        If the robot is to deliver data, or has no time for more; see `homing`.
     """
     team, journey, progress = robot.team, robot.journey, robot.progress
     frontier_m = total_length(frontier)

@@ -1,4 +1,4 @@
-"""How a robot of the SRT family brings its news home: over its roadmap, from node to node.
+"""How a robot of the SRT family delivers its data: over its roadmap, from node to node.
 
 The path home leads over the trees: a robot goes to the nearest node from which the base station is
 certain to hear it. Steps are not interrupted, so at every node the robot checks whether it has to

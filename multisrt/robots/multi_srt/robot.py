@@ -68,12 +68,12 @@ class SrtRobot:
     progress : Progress
         Whether it makes progress, and what it does where it does not.
     homing : SrtHoming or None
-        When it brings its news home, if it ever does.
+        When it delivers its data, if it ever does.
 
     Raises
     ------
     InvalidInputError
-        If the time limit is too short to bring news home.
+        If the time limit is too short to deliver data.
     """
 
     def __init__(self, me: RobotSelf, shape: Shape, options: MultiSrtOptions) -> None:

@@ -318,7 +318,7 @@ def test_check_warns_of_a_base_station_in_a_wall_and_of_too_little_time(call, fo
     (folder / "late.toml").write_text(late + "\n[stop]\nmax_time_s = 5.0\n")
     _, _, err = call("check", "late.toml", "--seconds", "0")
     assert err.startswith("warning: [room, minpos (home=in-time), 1 robot")
-    assert "the time limit of 5 s is too short to bring news home" in err
+    assert "the time limit of 5 s is too short to deliver data" in err
 
 
 # Run -----------------------------------------------------------------------------------------

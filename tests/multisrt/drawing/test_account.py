@@ -16,7 +16,7 @@ STARTS = [(1.0, 1.0), (2.0, 1.0)]
 
 
 def going_home(strategy: str, robots: int) -> ms.Run:
-    """Robots that bring news home in time, from a hall that takes longer."""
+    """Robots that deliver data in time, from a hall that takes longer."""
     return ms.explore(
         "open",
         strategy=strategy,

@@ -228,7 +228,7 @@ def test_the_same_run_is_the_same_to_the_byte(chain):
     [
         (1, True, RadioSpec(range_m=5.0), "needs robots that stand as relays"),
         (2, True, RadioSpec(range_m=5.0, multi_hop=False), "needs a radio by which robots relay"),
-        (2, False, RadioSpec(range_m=5.0), "needs a base station to bring news to"),
+        (2, False, RadioSpec(range_m=5.0), "needs a base station to return data to"),
     ],
 )
 def test_what_a_chain_needs_is_asked_for_in_one_line(robots, base, radio, match):

@@ -1,4 +1,4 @@
-"""Robots that go to frontiers bring news home: in corridors, with answers worked out by hand."""
+"""Robots that go to frontiers deliver data: in corridors, with answers worked out by hand."""
 
 import dataclasses
 import itertools
@@ -445,7 +445,7 @@ def test_a_body_that_bars_the_way_home_ends_no_exploration():
 @pytest.mark.parametrize(
     ("limit_s", "base", "match"),
     [
-        (11.0, (1.0, 0.6), "11 s is too short to bring news home: robot 0 begins at 0 s, 0 m"),
+        (11.0, (1.0, 0.6), "11 s is too short to deliver data: robot 0 begins at 0 s, 0 m"),
         (
             100.0,
             (58.0, 0.6),
@@ -532,8 +532,8 @@ def test_the_relay_brings_home_what_the_explorer_found():
     by_relay = [e for e in recording.of(BaseLearned) if e.robot == 1 and 60.0 < e.time_s < done]
     assert len(by_relay) >= 2
     assert sum(len(e.nodes) for e in by_relay) >= 30
-    # Each appointment is kept before half a minute after its time.
-    agreed = [e for e in recording.of(Decided) if "(appointment" in e.text]
+    # Each rendezvous is kept before half a minute after its time.
+    agreed = [e for e in recording.of(Decided) if "(rendezvous" in e.text]
     for e, following in itertools.pairwise(agreed):
         due_s = float(e.text.split("next at ")[1].split(" s")[0])
         assert following.time_s <= due_s + 30.0
@@ -550,13 +550,13 @@ def test_an_explorer_whose_relay_is_dead_brings_its_news_home_itself():
     assert metrics.collisions == 0
     texts = [text for _, text in told(recording)]
     at = next(k for k, text in enumerate(texts) if "at the backup of" in text)
-    assert "goes to meet its mate" in texts[at - 1]
+    assert "goes to meet its partner" in texts[at - 1]
     assert texts[at + 1].startswith("goes home: the base station knows less than 80%")
     # It waited at the place until half a minute after the time.
     due_s = next(
         float(text.split("next at ")[1].split(" s")[0])
         for _, text in reversed(told(recording))
-        if "(appointment" in text
+        if "(rendezvous" in text
     )
     [(left_s, _)] = [one for one in told(recording) if "at the backup of" in one[1]]
     assert left_s == pytest.approx(due_s + 30.0, abs=1.5)

@@ -1,4 +1,4 @@
-"""The parts that bring news home: time, places of contact, the delivered share, and pairs."""
+"""The parts that deliver data: time, places of contact, the delivered share, and pairs."""
 
 import math
 from typing import Any
@@ -215,9 +215,7 @@ def test_a_pair_agrees_on_the_next_place_with_the_last_as_backup():
         proposal = explorer.propose(place, 10.0 * k, 100.0, (), 0)
         assert not explorer.accepted
         relay.accept(proposal)
-        answer = RendezvousMessage(
-            sender=1, appointment=proposal.appointment, have=(), accepts=True
-        )
+        answer = RendezvousMessage(sender=1, rendezvous=proposal.rendezvous, have=(), accepts=True)
         explorer.take_acceptance(answer)
         assert explorer.accepted
         assert explorer.rendezvous == relay.rendezvous
@@ -226,14 +224,14 @@ def test_a_pair_agrees_on_the_next_place_with_the_last_as_backup():
         number=2, place=(20.0, 1.0), backup=(9.0, 1.0), due_s=120.0
     )
     # However near the place is, the time is not before the period is over.
-    assert explorer.propose((2.0, 1.0), 30.0, 5.0, (), 0).appointment.due_s == 90.0
+    assert explorer.propose((2.0, 1.0), 30.0, 5.0, (), 0).rendezvous.due_s == 90.0
 
 
 def test_who_waits_in_vain_goes_to_the_backup_and_then_continues_alone():
     explorer = pair_of(0)
     proposal = explorer.propose((9.0, 1.0), 0.0, 0.0, (), 0)
     explorer.take_acceptance(
-        RendezvousMessage(sender=1, appointment=proposal.appointment, have=(), accepts=True)
+        RendezvousMessage(sender=1, rendezvous=proposal.rendezvous, have=(), accepts=True)
     )
     explorer.set_out()
     assert explorer.target() == (9.0, 1.0)
@@ -252,7 +250,7 @@ def test_an_answer_to_another_proposal_is_passed_over():
     first = explorer.propose((9.0, 1.0), 0.0, 0.0, (), 0)
     explorer.propose((12.0, 1.0), 1.0, 0.0, (), 0)
     explorer.take_acceptance(
-        RendezvousMessage(sender=1, appointment=first.appointment, have=(), accepts=True)
+        RendezvousMessage(sender=1, rendezvous=first.rendezvous, have=(), accepts=True)
     )
     assert not explorer.accepted
     assert explorer.rendezvous.number == 0
@@ -266,11 +264,11 @@ def test_a_relay_accepts_once_and_never_an_older_rendezvous():
     relay.accept(first)
     # Heard again: the relay is on its way already.
     assert relay.stage is Stage.PLACE
-    assert relay.rendezvous == first.appointment
+    assert relay.rendezvous == first.rendezvous
 
 
 def answer_to(proposal):
-    return RendezvousMessage(sender=1, appointment=proposal.appointment, have=(), accepts=True)
+    return RendezvousMessage(sender=1, rendezvous=proposal.rendezvous, have=(), accepts=True)
 
 
 def test_a_lost_acceptance_leaves_no_two_rendezvous():
@@ -280,7 +278,7 @@ def test_a_lost_acceptance_leaves_no_two_rendezvous():
     second = explorer.propose((1.0, 20.0), 90.0, 0.0, (), 0)
     assert relay.accept(second)
     explorer.take_acceptance(answer_to(second))
-    assert explorer.rendezvous == relay.rendezvous == second.appointment
+    assert explorer.rendezvous == relay.rendezvous == second.rendezvous
 
 
 def test_a_proposal_that_comes_late_is_not_accepted():
@@ -289,7 +287,7 @@ def test_a_proposal_that_comes_late_is_not_accepted():
     second = explorer.propose((12.0, 1.0), 1.0, 0.0, (), 0)
     assert relay.accept(second)
     assert not relay.accept(first)
-    assert relay.rendezvous == second.appointment
+    assert relay.rendezvous == second.rendezvous
 
 
 def test_a_pair_that_missed_each_other_is_one_again_when_it_agrees():
@@ -311,7 +309,7 @@ def test_an_explorer_that_is_done_lets_its_relay_go():
     explorer, relay = pair_of(0), pair_of(1)
     relay.knows_home = True
     relay.accept(explorer.propose(None, 5.0, 0.0, (), 0))
-    explorer.take_acceptance(RendezvousMessage(sender=1, appointment=None, have=(), accepts=True))
+    explorer.take_acceptance(RendezvousMessage(sender=1, rendezvous=None, have=(), accepts=True))
     assert explorer.role is relay.role is Role.ALONE
     assert not relay.take_ready_turn(50.0, 0.5), "they are none again"
 

@@ -1,4 +1,4 @@
-"""Robots of the SRT family bring news home, over their roadmap."""
+"""Robots of the SRT family deliver data, over their roadmap."""
 
 import math
 
@@ -143,7 +143,7 @@ def test_trees_have_no_relays():
 
 
 def test_a_limit_too_short_and_a_missing_base_are_refused():
-    with pytest.raises(InvalidInputError, match="too short to bring news home"):
+    with pytest.raises(InvalidInputError, match="too short to deliver data"):
         simulate(spec_of((59.0, 1.2), home="in-time", limit_s=100.0))
     with pytest.raises(InvalidInputError, match="srt-radial needs a base station"):
         strategy("srt-radial").require_fit(

@@ -23,7 +23,7 @@ def main(environment="apartment", folder="out/examples"):
         if isinstance(event, Died | FellSilent | CameBack | Joined):
             print(f"{event.time_s:7.1f} s  robot {event.robot}: {type(event).__name__}")
         elif isinstance(event, PresumedLost):
-            print(f"{event.time_s:7.1f} s  robot {event.robot} takes {event.other} as lost")
+            print(f"{event.time_s:7.1f} s  robot {event.robot} presumes {event.other} lost")
     print()
     print(run.why(robot=0, time_s=100.0))
     picture = Path(folder) / "faults.svg"

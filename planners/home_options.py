@@ -12,33 +12,33 @@ from multisrt.geometry.errors import InvalidInputError
 Home = Literal["never", "in-time", "worth", "relays", "chain"]
 
 NO_TIME_LEFT: Final = "no time is left for another"
-"""How a robot says why it ended that is home in time: the beginning of the reason."""
+"""Beginning of the reason that a robot records when it ends because no time is left."""
 
 
 class HomeOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """When robots bring home what they know, and how long ways home are taken to last.
+    """When robots deliver their data to the base station, and how travel times are estimated.
 
     Attributes
     ----------
     home : {"never", "in-time", "worth", "relays", "chain"}
-        When a robot drives to where the base station hears it. "never": on no account. "in-time":
-        when it has explored all it can, and so that what it carries is delivered before the run's
-        time limit. "worth": then, and when what it carries is worth the way. "relays": robots go
-        in pairs, of which one explores and the other carries its news home. "chain": robots line up
-        as relays, so that the base station hears the one that explores. Other values than "never"
-        need a base station.
+        When a robot drives to where the base station hears it. "never": never. "in-time": when
+        nothing is left to explore, or early enough to deliver its data before the time limit.
+        "worth": then, and when the trip is worthwhile (`home_ratio`). "relays": robots go in pairs,
+        of which one explores and the other carries its data home. "chain": robots line up as
+        relays, so that the base station hears the one that explores. Other values than "never" need
+        a base station.
     home_margin : float
-        Share by which ways home are taken to last longer than their length at full speed, for
-        turns, scans and other robots on the way.
+        Share by which the estimated travel time home exceeds that at full speed, for turns, scans
+        and other robots on the path.
     home_reserve_s : float
-        Time in seconds that is to be left at home for the delivery, and for delays that do not
-        depend on the way.
+        Time in seconds to be left at home for the delivery, and for delays that do not depend on
+        the path.
     home_ratio : float
-        "worth": a robot goes home when the area that the base station knows is less than this
-        share of that area and the one it does not know yet.
+        "worth": a robot goes home when the area acknowledged by the base station is less than this
+        share of the area that the robot knows.
     home_wait_s : float
         Time in seconds for which a robot waits for an acknowledgement where it should be heard,
-        with "relays" for its mate after the time agreed on, and with "chain" for a relay that is
+        with "relays" for its partner after the agreed time, and with "chain" for a relay that is
         late, or for the front that is not heard.
 
     Raises

@@ -1,9 +1,9 @@
-"""Where a robot that is out of touch may be by now on the route that it told, and where to meet it.
+"""Where a robot that is out of touch may be on the route that it reported, and where to meet it.
 
-The route is a row of cells. In each step a robot that is on it stays, leaves it, or goes on to the
-next cell; one that has left it stays away or comes back to where it left. So its place is a Markov
-chain, and a robot that goes after it meets it most probably at the cell where the chain is most
-probable when the pursuer can be there.
+The route is a sequence of cells. In each step a robot on the route stays, leaves it, or goes on to
+the next cell; one that has left it stays away or comes back to where it left. So its place is a
+Markov chain, and a pursuer most probably meets it at the cell at which it most probably is when the
+pursuer can be there.
 
 Source: M-TARE (repository `caochao39/mtare_planner`, `pursuit_mdp`; C. Cao, H. Zhu, Z. Ren,
 H. Choset and J. Zhang, Representation granularity enables time-efficient autonomous exploration in
@@ -24,16 +24,16 @@ from multisrt.geometry.numerics.arrays import FloatArray
 
 
 class Meeting(NamedTuple):
-    """Where and when to meet a robot.
+    """Place and time at which to meet a robot.
 
     Attributes
     ----------
     cell : int
-        Number of the cell on the route.
+        Index of the cell on the route.
     step : int
         Number of the step.
     probability : float
-        Probability that the robot is there then.
+        Probability that the robot is at the cell after that step.
     """
 
     cell: int
@@ -61,12 +61,12 @@ def presence(
     Returns
     -------
     (steps + 1, cells) array
-        A row sums up to 1 less the probability to be off the route.
+        The sum of a row is 1 minus the probability that the robot is off the route.
 
     Raises
     ------
     InvalidInputError
-        If there is no cell, a number of steps is negative, or a value is no probability.
+        If there is no cell, the number of steps is negative, or a value is not a probability.
 
     Examples
     --------
@@ -93,7 +93,7 @@ def presence(
 
 
 def best_meeting(arrivals: ArrayLike, probabilities: FloatArray) -> Meeting | None:
-    """Return where and when a pursuer most probably meets a robot.
+    """Return the place and time at which a pursuer most probably meets a robot.
 
     Parameters
     ----------
@@ -105,7 +105,7 @@ def best_meeting(arrivals: ArrayLike, probabilities: FloatArray) -> Meeting | No
     Returns
     -------
     Meeting or None
-        Of equally probable ones the earliest, then the first cell; None if the pursuer comes to no
+        Of equally probable ones the earliest, then the first cell; None if the pursuer can reach no
         cell within the steps.
 
     Examples

@@ -1,17 +1,16 @@
-"""Places of relays that link the place where a robot goes with the base station.
+"""Places of relays that link the place to which a robot goes with the base station.
 
-The relays stand on the way home from that place. From the base station on, each stands at the last
-place of the way that is surely linked with the one before, until the end of the way is linked. So
-no chain along that way needs fewer relays, if what is linked with a place is the first part of the
-way; and a longer way along the same path begins with the same places, so that relays stay where
-they are while the front advances.
+The relays stand on the path from the base station to that place. Each stands at the last place of
+the path that is certain to be linked with the one before, until the end of the path is linked. The
+greedy placement uses the fewest relays if links reach up to a fixed distance along the path. If the
+path is extended, its first relays stay where they are, so that they stand while the front advances.
 
 Source: M. N. Rooker and A. Birk, Multi-robot exploration under the constraints of wireless
 networking, Control Engineering Practice 15 (2007), where robots go to frontiers only together with
 a chain of others to the base station; Y. Pei, M. W. Mutka and N. Xi, Coordinated multi-robot
 real-time exploration with connectivity and bandwidth awareness, ICRA 2010, where relays are placed
 for a front by a Steiner minimum tree with bounded edges. Differs in: there is one front at a time,
-so the tree is a path, and its relays are placed greedily along the way home and not anywhere.
+so the tree is a path, and its relays are placed greedily along the path home and not anywhere.
 """
 
 from __future__ import annotations
@@ -25,10 +24,10 @@ from multisrt.geometry.numerics.arrays import BoolArray, FloatArray
 Place = tuple[float, float]
 
 Linked = Callable[[FloatArray, Place], BoolArray]
-"""Which of some places ``(n, 2)`` are surely linked with a place."""
+"""Returns which of some places ``(n, 2)`` are certain to be linked with a place."""
 
-NEAR_M = 1.0
-"""A relay stays where it is, in metres, if the way passes it within this."""
+NEAR_PATH_M = 1.0
+"""Maximum distance in metres between the path and a relay that keeps its place."""
 
 
 def relay_places(
@@ -41,34 +40,35 @@ def relay_places(
     clear_of: Place | None = None,
     clear_m: float = 0.0,
 ) -> tuple[Place, ...] | None:
-    """Return where relays stand that link the end of a way with the base station.
+    """Return the places of relays that link the end of a path with the base station.
 
     Parameters
     ----------
     path : (n, 2) array
-        Places along the way in metres, the first linked with the base station.
+        Places along the path in metres, the first linked with the base station.
     base : (x, y)
         Where the base station is, in metres.
     linked : callable
-        Which places are linked with one.
+        Returns which places are linked with a place.
     max_relays : int
-        Number of relays that there are.
+        Number of relays available.
     kept : sequence of (x, y)
-        Where relays stand now, from the base station on: the first of them are kept while they are
-        linked with each other and the way passes them.
+        Present places of relays, from the base station on. The first of them are kept as long as
+        each is linked with the one before and the path passes it.
     clear_of : (x, y), optional
-        Where the front stands now; new relays stand `clear_m` before that, if they can.
+        Present place of the front in metres.
     clear_m : float
-        Metres.
+        Distance in metres that new relays keep from the front, if possible.
 
     Returns
     -------
     tuple of (x, y) or None
-        The places from the base station on, empty if no relay is needed; None if there are too few.
+        The places from the base station on, empty if no relay is needed; None if the relays are
+        too few.
 
     Examples
     --------
-    A way of 30 m along a line, links of 9 m, the base station at its beginning:
+    A path of 30 m along a line, links of 9 m, the base station at its beginning:
 
     >>> path = np.column_stack([np.arange(0.0, 31.0), np.zeros(31)])
     >>> linked = lambda places, at: np.hypot(*(places - at).T) <= 9.0
@@ -116,10 +116,10 @@ def _placed(
 def _kept(
     path: FloatArray, at: Place, linked: Linked, place: Place, first: int
 ) -> tuple[Place, int] | None:
-    """Return a place where a relay stands, and where the way passes it, if it is kept."""
+    """Return the place of a relay and the index at which the path passes it, if it is kept."""
     away = np.hypot(*(path[first:] - place).T)
     nearest = int(np.argmin(away))
-    if nearest == 0 or away[nearest] > NEAR_M or not linked(np.array([place]), at)[0]:
+    if nearest == 0 or away[nearest] > NEAR_PATH_M or not linked(np.array([place]), at)[0]:
         return None
     return place, first + nearest
 
@@ -133,7 +133,7 @@ def _farthest(
     *,
     is_first: bool,
 ) -> tuple[Place, int] | None:
-    """Return the last place of the way that is linked, or one before the front."""
+    """Return the last place of the path that is linked, or one clear of the front."""
     usable = np.flatnonzero(ahead)
     if not is_first:
         usable = usable[usable > 0]

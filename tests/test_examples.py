@@ -61,7 +61,7 @@ def test_own_explorer_has_at_most_forty_lines():
 def test_faults_reports_every_fault(load_module, tmp_path, capsys):
     load_module(EXAMPLES / "faults.py").main(folder=tmp_path)
     told = capsys.readouterr().out
-    for what in ("robot 1: Died", "robot 2: FellSilent", "robot 3: Joined", "takes 1 as lost"):
+    for what in ("robot 1: Died", "robot 2: FellSilent", "robot 3: Joined", "presumes 1 lost"):
         assert what in told
     assert "Robot 0 at 100.00 s" in told
     assert (tmp_path / "faults.svg").exists()

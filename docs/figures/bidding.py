@@ -227,16 +227,16 @@ def by_utility() -> str:
     """Draw what UTILITY assigns, and how an assignment lowers the utility near by."""
     targets, costs = scene("room").targets, scene("room").costs
     index = EdgeIndex(FLAT.edges, 2.0)
-    between = np.hypot(*(targets[:, None] - targets[None]).transpose(2, 0, 1))
+    distances = np.hypot(*(targets[:, None] - targets[None]).transpose(2, 0, 1))
     sees = np.array(
         [[a is b or line_of_sight(index, *a, *b) for b in targets.tolist()] for a in targets]
     )
-    found = utility(costs, between, sees, 2.0 * RANGE_M)
+    found = utility(costs, distances, sees, 2.0 * RANGE_M)
     sketch = ground("UTILITY: an assigned target lowers the utility of those that it sees", "room")
     _, first, _, _ = found.rounds[0]
     frontiers(sketch, "room")
     for j, place in enumerate(targets):
-        if j != first and sees[first, j] and between[first, j] < 2 * RANGE_M:
+        if j != first and sees[first, j] and distances[first, j] < 2 * RANGE_M:
             sketch.line([targets[first], place], "path")
     chosen_paths(sketch, found.assignment.tolist(), "room")
     robots(sketch, "room")

@@ -48,8 +48,8 @@ from multisrt.competition.grid_kernels import (
     field_from,
     is_clear,
     passable_cells,
+    path_lengths_between,
     unknown_blocks,
-    ways_between,
     with_walls,
     zone,
 )
@@ -88,8 +88,8 @@ class Settings:
         Share of an area that the tour of another robot claims at once.
     others : float
         Lower bound of what a target counts that another robot is nearer to.
-    apart : float
-        Distance from which the target of a robot out of contact leaves another one to this robot.
+    claim_range : float
+        Distance at and beyond which the target of a robot out of contact claims no other target.
     recall : float
         Time by which such a target counts less by the factor e.
     every : int
@@ -114,7 +114,7 @@ class Settings:
     claim: float = 75.0
     strength: float = 0.9
     others: float = 0.4
-    apart: float = 80.0
+    claim_range: float = 80.0
     recall: float = 100.0
     every: int = 3
     margin: int = 4
@@ -322,7 +322,8 @@ class GainHome:
         rates = (seen * shares / (costs + s.nearest)).max(axis=0)
         best = np.argsort(-rates, kind="stable")[: s.most_targets]
 
-        between, left = ways_between(passable, targets[best]), memory.end - memory.time - s.margin
+        lengths = path_lengths_between(passable, targets[best])
+        left = memory.end - memory.time - s.margin
         blocks = np.concatenate([blocks[first[k] : first[k + 1]] for k in best])
         first = np.concatenate(([0], np.cumsum((first[1:] - first[:-1])[best])))
         for row in np.argsort(robots):
@@ -331,7 +332,7 @@ class GainHome:
             if before is not None:
                 favour[np.abs(targets[best] - np.array(before)).sum(axis=1) < s.piece] = s.keep
             sights = Sights(areas, first, blocks)
-            ours = Targets(shares[row][best], costs[row][best], home[best], between, favour)
+            ours = Targets(shares[row][best], costs[row][best], home[best], lengths, favour)
             tour, times = best_tour(sights, ours, float(left), s.rules(memory.end))
             target = best[tour[0]] if len(tour) else None
             if row == 0:
@@ -346,7 +347,7 @@ class GainHome:
         s, shares = self.settings, np.ones(len(targets))
         for number, place in memory.believed.items():
             if number not in robots:
-                near = np.maximum(0.0, 1.0 - distances(targets, place) / s.apart)
+                near = np.maximum(0.0, 1.0 - distances(targets, place) / s.claim_range)
                 ago = memory.time - memory.heard[number]
                 shares *= 1.0 - s.strength * math.exp(-ago / s.recall) * near
         return shares
@@ -373,8 +374,8 @@ def nearer_to(costs: Floats, least: float) -> Floats:
 def distances(targets: Cells, place: Any) -> Floats:
     """Return the Euclidean distances of targets from a cell."""
     gaps = targets - np.asarray(place)
-    apart: Floats = np.hypot(gaps[:, 0], gaps[:, 1])
-    return apart
+    found: Floats = np.hypot(gaps[:, 0], gaps[:, 1])
+    return found
 
 
 def radio(options: Any) -> tuple[int, float, float]:

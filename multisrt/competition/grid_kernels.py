@@ -362,10 +362,10 @@ def areas_in_sight(areas: Floats, first: Cells, blocks: Cells) -> Floats:
 
 
 @kernel
-def ways_between(passable: Flags, targets: Cells) -> Floats:
-    """Return the ways between targets, ``(m, m)``; ``inf`` where there is none.
+def path_lengths_between(passable: Flags, targets: Cells) -> Floats:
+    """Return the path lengths between targets in cells, ``(m, m)``; ``inf`` where there is no path.
 
-    They are found among squares of two by two cells. Passable cells on two sides of a wall are
+    Paths are found among squares of two by two cells. Passable cells on two sides of a wall are
     three cells or more apart, since those beside a wall are not passable, so squares connect
     nothing that is apart.
     """
@@ -379,11 +379,11 @@ def ways_between(passable: Flags, targets: Cells) -> Floats:
     queue = np.empty(squares.size, np.int64)
     for t in range(len(targets)):
         row, column = np.array([targets[t, 0] // 2]), np.array([targets[t, 1] // 2])
-        ways = field_from(squares, row, column, queue)
+        lengths = field_from(squares, row, column, queue)
         for u in range(len(targets)):
-            way = ways[targets[u, 0] // 2, targets[u, 1] // 2]
-            if way >= 0:
-                found[t, u] = 2.0 * way
+            length = lengths[targets[u, 0] // 2, targets[u, 1] // 2]
+            if length >= 0:
+                found[t, u] = 2.0 * length
     return found
 
 
@@ -407,8 +407,8 @@ class Targets(NamedTuple):
         Factors on the areas of targets, from 0 to 1.
     start, home : (m,) arrays
         Ways from the robot to each target, and from there home.
-    between : (m, m) array
-        Ways between targets.
+    path_lengths : (m, m) array
+        Path lengths between targets.
     favour : (m,) array
         Factors on the values of tours by their first target.
     """
@@ -416,7 +416,7 @@ class Targets(NamedTuple):
     shares: Floats
     start: Floats
     home: Floats
-    between: Floats
+    path_lengths: Floats
     favour: Floats
 
 

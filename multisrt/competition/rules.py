@@ -34,27 +34,27 @@ from multisrt.planners.assignment.minpos import minpos
 CELL_M: Final = 0.1
 RANGE_M: Final = 15.0
 RETURN_AREA_M2: Final = 4.0
-"""Area that stands for the way back to a target."""
+"""Area added to every area, for the path back to a target that is left behind."""
 
 Rule = Callable[[Floats, Floats, Floats, int], int | None]
 """Takes costs (n, m), areas (m,), distances between targets (m, m) and the robot's row."""
 
 
-def _closest(costs: Floats, areas: Floats, between: Floats, row: int) -> int | None:
+def _closest(costs: Floats, areas: Floats, distances: Floats, row: int) -> int | None:
     return closest(DenseCosts(costs), row)
 
 
-def _greedy(costs: Floats, areas: Floats, between: Floats, row: int) -> int | None:
+def _greedy(costs: Floats, areas: Floats, distances: Floats, row: int) -> int | None:
     chosen = int(greedy(DenseCosts(costs), until=row).assignment[row])
     return None if chosen == UNASSIGNED else chosen
 
 
-def _minpos(costs: Floats, areas: Floats, between: Floats, row: int) -> int | None:
+def _minpos(costs: Floats, areas: Floats, distances: Floats, row: int) -> int | None:
     return minpos(DenseCosts(costs), row).choice
 
 
-def _gain(costs: Floats, areas: Floats, between: Floats, row: int) -> int | None:
-    return gain(costs, areas + RETURN_AREA_M2, between, row, range_m=RANGE_M).choice
+def _gain(costs: Floats, areas: Floats, distances: Floats, row: int) -> int | None:
+    return gain(costs, areas + RETURN_AREA_M2, distances, row, range_m=RANGE_M).choice
 
 
 RULES: Final[dict[str, Rule]] = {
@@ -96,9 +96,9 @@ class RulePolicy(GainHome):
         states, targets, costs = situation.states, situation.targets, situation.costs
         order = np.argsort(situation.robots)
         areas = unknown_in_sight(states, targets, RANGE_M / CELL_M, BORDER) * CELL_M**2
-        between = np.hypot(*(targets[:, None] - targets[None]).transpose(2, 0, 1)) * CELL_M
+        distances = np.hypot(*(targets[:, None] - targets[None]).transpose(2, 0, 1)) * CELL_M
         row = int(np.flatnonzero(order == 0)[0])
-        return self._rule(costs[order] * CELL_M, areas, between, row)
+        return self._rule(costs[order] * CELL_M, areas, distances, row)
 
 
 def policy(name: str) -> Any:

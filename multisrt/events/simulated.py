@@ -21,8 +21,9 @@ class Motion(Event, frozen=True, kw_only=True, tag="motion"):
         stays, else on a circular arc. Headings are not wrapped, so turns are signed.
     purpose : {"explore", "support", "home", "give way"}
         For its own tree (or any goal of a robot that bids for frontiers); for the tree of another
-        robot, or after a mate that is out of touch; back to its root, home with news, to meet the
-        mate of its pair, or to its place in a chain of relays; or out of the way of another robot.
+        robot, or in pursuit of a teammate that is out of touch; back to its root, home with news,
+        to meet the partner of its pair, or to its place in a chain of relays; or out of the way of
+        another robot.
     """
 
     waypoints: tuple[tuple[float, float, float, float], ...]

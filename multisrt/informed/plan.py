@@ -160,7 +160,7 @@ class _Planner:
             part = _part_of(room, body.start)
             key = (shapely.to_wkb(part), body.radius_m)
             if key not in made:
-                mates = [
+                starts = [
                     other.start
                     for k, other in enumerate(self._bodies)
                     if k not in idle
@@ -172,7 +172,7 @@ class _Planner:
                     (*self._bodies[k].start[:2], self._bodies[k].radius_m + GAP_M)
                     for k in sorted(idle)
                 ]
-                made[key] = Roadmap(body.component, body.radius_m, mates, discs)
+                made[key] = Roadmap(body.component, body.radius_m, starts, discs)
             found.append(made[key])
         return found
 

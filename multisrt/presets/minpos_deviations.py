@@ -57,7 +57,7 @@ DEVIATIONS = (
     Deviation(
         "Robots choose each at its own time, from positions of the others that are up to a period "
         "old, and not without news. In the paper time is discrete, and every robot has the "
-        "position of all. Robots without a frontier to go to and those that are lost are not "
+        "position of all. Robots without a frontier to go to and those presumed lost are not "
         "counted as nearer to one; in the paper all robots count."
     ),
     Deviation(

@@ -15,7 +15,7 @@ from multisrt.planners.assignment.costs import cost_table
 from multisrt.planners.navigation.sector import wrapped
 
 BASE_SCORE: Final = 70.0
-"""Score of a cell at the robot's place, straight ahead, of a robot without companions."""
+"""Score of a cell at the robot's place, straight ahead, of a robot without teammates."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

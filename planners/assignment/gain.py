@@ -1,4 +1,4 @@
-"""GAIN: the area that a robot would see at a target, against the way to it."""
+"""GAIN: the area that a robot would see at a target, against the cost of the path there."""
 
 from __future__ import annotations
 
@@ -37,12 +37,12 @@ class GainChoice:
 def gain(
     costs: ArrayLike,
     areas: ArrayLike,
-    between: ArrayLike,
+    distances: ArrayLike,
     robot: int,
     *,
     range_m: float,
     power: float = 4.0,
-    nearest_m: float = 0.5,
+    offset_m: float = 0.5,
 ) -> GainChoice:
     """Choose the target of the highest value for one robot, after those that come before it.
 
@@ -51,18 +51,19 @@ def gain(
     costs : (n, m) array
         Cost of each robot to each target in metres; ``inf`` where there is no path.
     areas : (m,) array
-        What each target is worth in square metres: the area that would be seen there, and what
-        stands for the way back if it is left behind.
-    between : (m, m) array
+        Area of each target in square metres: that which would be seen there, and a return area for
+        the path back if the target is left behind.
+    distances : (m, m) array
         Euclidean distances between targets in metres.
     robot : int
         Row of the robot that chooses.
     range_m : float
-        Distance in metres from which a target leaves the area of another one to it.
+        Distance in metres at and beyond which a target that is taken no longer reduces the area of
+        another.
     power : float
-        Power of the way.
-    nearest_m : float
-        Added to every way in metres, so that near targets are compared by their areas.
+        Exponent of the cost in the denominator of the value.
+    offset_m : float
+        Length in metres added to every cost, so that near targets are compared by their areas.
 
     Returns
     -------
@@ -75,77 +76,78 @@ def gain(
 
     Notes
     -----
-    The value of a target j for a robot i is ``area_j / (way_ij + nearest_m) ** power``. Pairs of a
-    robot and a target are taken in order of value, of equal ones that of the shortest way first,
-    then of the lowest numbers, until the robot that chooses has its first target. The way of a
-    robot is its cost; once it has taken a target, its way to the others leads over that one. The
+    The value of a target j for a robot i is ``area_j / (cost_ij + offset_m) ** power``. Pairs of a
+    robot and a target are taken in order of value, of equal ones that of the lowest cost first,
+    then of the lowest numbers, until the robot that chooses has its first target. Once a robot has
+    taken a target, its paths to the others lead over that one, and cost accordingly. The path
     length from one target to the next is estimated by the larger of the Euclidean distance and the
-    largest difference of a robot's costs to the two. So a robot leaves to another what is on that
-    one's route. A target that is taken reduces, for all other robots, the area of each
+    largest difference of a robot's costs to the two. So a robot leaves targets on the route of
+    another to that one. A target that is taken reduces, for all other robots, the area of each
     other target by the factor ``min(1, d / range_m)`` with d the distance between the two.
 
-    A robot to which the others leave nothing shares a target: in a second round of the same kind,
-    each robot takes one target only, and targets may be taken again.
+    A robot to which the others leave nothing shares a target: in a second auction, each robot takes
+    one target only, and targets may be taken again.
 
     Source: the value is that of role-based exploration (de Hoog, Cameron and Visser, 2010: area
-    over the power of the path length); differs in: robots take turns in order of value, reduce the
-    areas near what they take, as in Burgard et al. (2005), and go on from there, as in sequential
+    over a power of the path length); differs in: robots take targets in order of value, reduce
+    the areas near these, as in Burgard et al. (2005), and go on from there, as in sequential
     single-item auctions (Lagoudakis et al., 2005).
 
     Examples
     --------
-    Both robots are nearer to the closet. It is worth little, so the hall goes to robot 0, which
-    leaves the closet to robot 1:
+    Both robots are nearer to the closet. Its area is small, so robot 0 takes the hall and leaves
+    the closet to robot 1:
 
     >>> costs = [[4.0, 6.0], [5.0, 8.0]]
-    >>> areas, between = [1.0, 40.0], [[0.0, 9.0], [9.0, 0.0]]
-    >>> [gain(costs, areas, between, i, range_m=8.0, power=2.0).choice for i in (0, 1)]
+    >>> areas, distances = [1.0, 40.0], [[0.0, 9.0], [9.0, 0.0]]
+    >>> [gain(costs, areas, distances, i, range_m=8.0, power=2.0).choice for i in (0, 1)]
     [1, 0]
     """
-    table, left, apart = checked_tables(costs, areas, between, robot)
-    check_positive(range_m=range_m, power=power, nearest_m=nearest_m)
-    rule = Values(range_m, power, nearest_m)
+    table, left, euclidean = checked_tables(costs, areas, distances, robot)
+    check_positive(range_m=range_m, power=power, offset_m=offset_m)
+    parameters = ValueParameters(range_m, power, offset_m)
     for goes_on in (True, False):
-        rounds = _taken(table, left, apart, robot, rule, goes_on=goes_on)
+        rounds = _taken(table, left, euclidean, robot, parameters, goes_on=goes_on)
         if rounds and rounds[-1][0] == robot:
             return GainChoice(choice=rounds[-1][1], rounds=tuple(rounds))
     return GainChoice(choice=None, rounds=())
 
 
-class Values(NamedTuple):
-    """How targets are valued.
+class ValueParameters(NamedTuple):
+    """Parameters of the values of targets; see `gain`.
 
     Attributes
     ----------
     range_m : float
-        Distance in metres from which a target leaves the area of another one to it.
+        Distance in metres at and beyond which a target that is taken no longer reduces the area of
+        another.
     power : float
-        Power of the way.
-    nearest_m : float
-        Added to every way in metres.
+        Exponent of the cost in the denominator of the value.
+    offset_m : float
+        Length in metres added to every cost.
     """
 
     range_m: float
     power: float = 4.0
-    nearest_m: float = 0.5
+    offset_m: float = 0.5
 
 
 def checked_tables(
-    costs: ArrayLike, areas: ArrayLike, between: ArrayLike, robot: int
+    costs: ArrayLike, areas: ArrayLike, distances: ArrayLike, robot: int
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return the tables of `gain` as arrays, or raise `InvalidInputError` as it does."""
     table = cost_table(costs)
     robots, targets = table.shape
     check_robot(robot, robots)
-    apart = cost_table(between, "between")
+    euclidean = cost_table(distances, "distances")
     left = cost_table(areas, "areas", dimensions=1)
     for name, shape, right in (
-        ("between", apart.shape, (targets, targets)),
+        ("distances", euclidean.shape, (targets, targets)),
         ("areas", left.shape, (targets,)),
     ):
         if shape != right:
             raise InvalidInputError(f"{name} has the shape {shape}; it must be {right}")
-    return table, left, apart
+    return table, left, euclidean
 
 
 def check_positive(**values: float) -> None:
@@ -168,8 +170,8 @@ class LazyCosts(NamedTuple):
         Costs of the robot that chooses, and lower bounds of those of the others, in metres.
     cost_of : callable
         Returns the cost of another robot to a target in metres, ``inf`` if there is no path. A
-        robot with a path to one target has to have paths to all: once it has taken one, it is asked
-        of no other.
+        robot with a path to one target must have paths to all: once it has taken one, its other
+        costs are not computed.
     """
 
     bounds: FloatArray
@@ -177,7 +179,7 @@ class LazyCosts(NamedTuple):
 
 
 class Auction:
-    """Targets that robots take in order of value, and what is left to whom.
+    """Auction in which robots take targets in order of value.
 
     Parameters
     ----------
@@ -185,11 +187,11 @@ class Auction:
         Cost of each robot to each target in metres; ``inf`` where there is no path. With
         `cost_of`, those of the other robots are lower bounds.
     areas : (m,) array
-        What each target is worth in square metres.
-    apart : (m, m) array
+        Area of each target in square metres.
+    distances : (m, m) array
         Euclidean distances between targets in metres.
-    rule : Values
-        How targets are valued.
+    parameters : ValueParameters
+        Parameters of the values.
     robot : int
         Row of the robot that chooses.
     cost_of : callable, optional
@@ -200,42 +202,43 @@ class Auction:
         self,
         costs: FloatArray,
         areas: FloatArray,
-        apart: FloatArray,
-        rule: Values,
+        distances: FloatArray,
+        parameters: ValueParameters,
         robot: int,
         cost_of: CostOf | None = None,
     ) -> None:
-        self._apart, self._rule, self._cost_of = apart, rule, cost_of
-        self._ways, self._is_open = costs.copy(), np.isfinite(costs)
-        self._shares = self._shares_of(costs)
+        self._distances, self._parameters, self._cost_of = distances, parameters, cost_of
+        self._costs, self._is_open = costs.copy(), np.isfinite(costs)
+        self._weights = self._weights_of(costs)
         self._is_bound = np.full(costs.shape, cost_of is not None)
         self._is_bound[robot] = False
         self._left = np.tile(areas, (len(costs), 1))
 
-    def _shares_of(self, ways: ArrayLike) -> FloatArray:
-        """Return the values of a square metre after some ways."""
-        return libm.power(np.asarray(ways) + self._rule.nearest_m, -self._rule.power)
+    def _weights_of(self, costs: ArrayLike) -> FloatArray:
+        """Return the values of a square metre at some costs."""
+        offset_m, power = self._parameters.offset_m, self._parameters.power
+        return libm.power(np.asarray(costs) + offset_m, -power)
 
     def is_open_to(self, robot: int) -> bool:
-        """Whether there is a target that a robot could take."""
+        """Return whether there is a target that a robot could take."""
         return bool(self._is_open[robot].any())
 
     def next_round(self) -> tuple[int, int, float, float]:
-        """Let the pair of the highest value be taken.
+        """Take the pair of the highest value.
 
         Returns
         -------
         robot, target, area, value
             As in `GainChoice`.
         """
-        rule, left = self._rule, self._left
+        left = self._left
         values = self._values()
-        # Where nothing is left they go to the nearest.
-        lengths = np.where(values == values.max(), self._ways, np.inf)
-        taker, target = divmod(int(np.argmin(lengths)), values.shape[1])
+        # Where no area is left the nearest target is taken.
+        costs = np.where(values == values.max(), self._costs, np.inf)
+        taker, target = divmod(int(np.argmin(costs)), values.shape[1])
         found = taker, target, float(left[taker, target]), float(values[taker, target])
         kept = left[taker].copy()
-        left *= np.minimum(1.0, self._apart[target] / rule.range_m)
+        left *= np.minimum(1.0, self._distances[target] / self._parameters.range_m)
         left[taker] = kept
         return found
 
@@ -246,15 +249,15 @@ class Auction:
         gives an upper bound of a value, so that no other pair has a value as high.
         """
         while True:
-            values: FloatArray = np.where(self._is_open, self._left * self._shares, -1.0)
+            values: FloatArray = np.where(self._is_open, self._left * self._weights, -1.0)
             bounds = np.argwhere(self._is_bound & (values == values.max()))
             if not len(bounds):
                 return values
             assert self._cost_of is not None
             for robot, target in bounds.tolist():
                 cost = self._cost_of(robot, target)
-                self._ways[robot, target] = cost
-                self._shares[robot, target] = self._shares_of(cost)
+                self._costs[robot, target] = cost
+                self._weights[robot, target] = self._weights_of(cost)
                 self._is_open[robot, target] = math.isfinite(cost)
                 self._is_bound[robot, target] = False
 
@@ -266,12 +269,12 @@ class Auction:
         taker, target : int
             Row and column of the pair that was taken.
         onward : (m,) array
-            Lengths from the target to all, in metres.
+            Path lengths from the target to all, in metres.
         """
         self._is_open[:, target] = False
         self._is_bound[:, target] = self._is_bound[taker] = False
-        self._ways[taker] = self._ways[taker, target] + onward
-        self._shares[taker] = self._shares_of(self._ways[taker])
+        self._costs[taker] = self._costs[taker, target] + onward
+        self._weights[taker] = self._weights_of(self._costs[taker])
 
     def leave(self, taker: int) -> None:
         """Let a robot take no more."""
@@ -281,14 +284,14 @@ class Auction:
 def _taken(
     costs: FloatArray,
     areas: FloatArray,
-    apart: FloatArray,
+    distances: FloatArray,
     robot: int,
-    rule: Values,
+    parameters: ValueParameters,
     *,
     goes_on: bool,
 ) -> list[tuple[int, int, float, float]]:
     """Return what is taken up to a robot's first target; each takes several if it goes on."""
-    auction = Auction(costs, areas, apart, rule, robot)
+    auction = Auction(costs, areas, distances, parameters, robot)
     rounds: list[tuple[int, int, float, float]] = []
     while auction.is_open_to(robot):
         rounds.append(auction.next_round())
@@ -296,16 +299,16 @@ def _taken(
         if taker == robot:
             break
         if goes_on:
-            auction.go_on(taker, target, _onward(costs, apart, target))
+            auction.go_on(taker, target, _onward(costs, distances, target))
         else:
             auction.leave(taker)
     return rounds
 
 
-def _onward(costs: FloatArray, apart: FloatArray, target: int) -> FloatArray:
-    """Return estimates of the lengths from a target to all, ``(m,)`` metres."""
+def _onward(costs: FloatArray, distances: FloatArray, target: int) -> FloatArray:
+    """Return estimates of the path lengths from a target to all, ``(m,)`` metres."""
     reaching = costs[np.isfinite(costs[:, target])]
     bounds = np.abs(reaching - reaching[:, [target]])
     bounds[np.isinf(bounds)] = 0.0
-    onward: FloatArray = np.maximum(apart[target], bounds.max(axis=0))
+    onward: FloatArray = np.maximum(distances[target], bounds.max(axis=0))
     return onward

@@ -1,12 +1,15 @@
-"""Min-max routes: places divided among robots and put in order, so that the last is done early.
+"""Min-max routing: places divided among robots and ordered to minimise the makespan.
 
-The cost of a route is its time: that of its legs, and of the turns between them. As robots may
-drive backwards, a turn from one line to another takes at most a right angle, and headings count
-by their line only. So a route reversed costs the same inside, and every change of routes is
-judged from a few places around it.
+This is a min-max multiple travelling salesman problem. The cost of a route is its time: that of its
+legs and of the turns between them. As robots may drive backwards, a turn from one line to another
+is at most a right angle, and only the lines of headings count. So the time inside a reversed
+segment stays the same, and a move is evaluated from a few places around it.
 
-Source: moves of 2-opt, Or-opt and exchanges of tails, as in Lin and Kernighan (1973), Or (1976)
-and Potvin and Rousseau (1995), here for the largest time of all robots.
+2-opt reverses segments, Or-opt moves them, and 2-opt* exchanges the tails of two routes. Each move
+has to reduce the objective: the largest time of all robots plus a tenth of the mean.
+
+Source: Lin and Kernighan (1973), Or (1976), and Potvin and Rousseau (1995) for the moves. Differs
+in: the objective.
 """
 
 from __future__ import annotations
@@ -18,15 +21,16 @@ import numpy as np
 from multisrt.geometry.numerics.kernel import FloatArray, IntArray, kernel
 
 MEAN_WEIGHT: Final = 0.1
-"""Weight of the mean time of all robots beside the largest."""
+"""Weight of the mean time of all robots against the largest."""
 
 MAX_SEGMENT: Final = 4
 """Maximum number of consecutive places that are moved together."""
 
 MIN_GAIN_S: Final = 1e-7
-"""Minimum gain of a change, in seconds: less is rounding."""
+"""Minimum decrease by a move, in seconds: less is rounding."""
 
 MAX_PASSES: Final = 60
+"""Maximum number of passes of the local search."""
 
 
 class Costs(NamedTuple):
@@ -66,9 +70,9 @@ def route_times(routes: IntArray, sizes: IntArray, costs: Costs) -> FloatArray:
     routes : (n, capacity) array of int
         For each robot the index of its start, and those of its places in order.
     sizes : (n,) array of int
-        How many of each row count.
+        Number of entries of each row that are used.
     costs : Costs
-        The costs.
+        Costs of the legs.
     """
     times = np.zeros(len(sizes))
     for r in range(len(sizes)):
@@ -78,19 +82,23 @@ def route_times(routes: IntArray, sizes: IntArray, costs: Costs) -> FloatArray:
 
 @kernel
 def objective(times: FloatArray) -> float:
-    """Return what is minimised: the largest time, and a little of the mean."""
+    """Return the objective: the largest time plus `MEAN_WEIGHT` times the mean, in seconds."""
     value: float = times.max() + MEAN_WEIGHT * times.mean()
     return value
 
 
 @kernel
 def improve(routes: IntArray, sizes: IntArray, costs: Costs) -> tuple[IntArray, IntArray]:
-    """Return routes that no move of 2-opt, Or-opt or exchange of tails makes better.
+    """Return routes that no move of 2-opt, Or-opt or 2-opt* improves.
 
     Parameters
     ----------
     routes, sizes, costs
-        As for `route_times`. The capacity has room for all places in one route.
+        As for `route_times`. The capacity must suffice for all places in one route.
+
+    Notes
+    -----
+    The search ends after `MAX_PASSES` passes in any case.
     """
     routes, sizes = routes.copy(), sizes.copy()
     times = route_times(routes, sizes, costs)
@@ -174,7 +182,7 @@ def _window(
 
 @kernel
 def _reverse(routes: IntArray, sizes: IntArray, times: FloatArray, costs: Costs) -> bool:
-    # 2-opt within routes. Inside, the time of a stretch reversed is the same.
+    # 2-opt within routes. The time inside a reversed segment stays the same.
     chain = np.empty(8, np.int64)
     found = False
     for r in range(len(sizes)):
@@ -205,7 +213,7 @@ def _reverse(routes: IntArray, sizes: IntArray, times: FloatArray, costs: Costs)
 
 @kernel
 def _move(routes: IntArray, sizes: IntArray, times: FloatArray, costs: Costs) -> bool:
-    # Or-opt: the best place of another route or its own for each short stretch of a route.
+    # Or-opt: move each short segment to its best position in its own or another route.
     found = False
     rest, trial = np.empty_like(routes[0]), times.copy()
     chain = np.empty(MAX_SEGMENT + 8, np.int64)
@@ -252,13 +260,13 @@ def _move(routes: IntArray, sizes: IntArray, times: FloatArray, costs: Costs) ->
             if to < 0:
                 first += 1
                 continue
-            stretch = routes[r, first : first + length].copy()
+            segment = routes[r, first : first + length].copy()
             if backwards:
-                stretch = stretch[::-1].copy()
+                segment = segment[::-1].copy()
             routes[r, first : sizes[r] - length] = routes[r, first + length : sizes[r]].copy()
             sizes[r] -= length
             for k in range(length):
-                insert(routes[to], sizes[to], where + k, stretch[k])
+                insert(routes[to], sizes[to], where + k, segment[k])
                 sizes[to] += 1
             times[r] = _route_time(routes[r], sizes[r], r, costs)
             times[to] = _route_time(routes[to], sizes[to], to, costs)

@@ -65,7 +65,7 @@ def minpos(costs: CostOracle, robot: int) -> MinPosChoice:
 
     Examples
     --------
-    A robot leaves the nearer frontier to a companion that is nearer still:
+    A robot leaves the nearer frontier to a teammate that is nearer still:
 
     >>> from multisrt.planners.assignment.costs import DenseCosts
     >>> chosen = minpos(DenseCosts([[3.0, 4.0], [1.0, 6.0]]), 0)

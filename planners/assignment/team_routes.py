@@ -1,4 +1,4 @@
-"""Routes of a whole team over all targets, planned so that the longest is short."""
+"""Routes of a whole team over all targets that minimise the longest route."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ from multisrt.planners.assignment.min_max_routes import (
 )
 
 MAX_RESTARTS: Final = 12
-"""Number of local searches, each from other first routes; the best one counts.
+"""Maximum number of local searches, each from other initial routes; the best result is returned.
 
 In 300 random situations with 5 or 6 targets for 2 robots, the routes cost 0.3 % more than the best
 ones on average, and at most 21 %; with a single local search 3.6 % and 48 %, in 60 situations.
 """
 
 MIN_GAIN_M: Final = 1e-6
-"""A later search counts only if its routes are shorter by more than this, in metres."""
+"""Minimum decrease in metres of the cost of the routes by a later search."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -44,8 +44,8 @@ class TeamRoutes:
     left_out : tuple of int
         Targets that are on no route: no robot can reach them.
     lengths_m : tuple of float
-        The length of each route in metres, with its initial length and the service lengths of its
-        stops; 0 of an empty one.
+        Length of each route in metres, with its initial length and the service lengths of its
+        stops; 0 for an empty one.
     """
 
     routes: tuple[tuple[int, ...], ...]
@@ -59,29 +59,29 @@ class TeamRoutes:
 
     @property
     def cost_m(self) -> float:
-        """What is minimised: the longest route and a tenth of the mean of all, in metres."""
+        """Cost that is minimised: the longest route plus a tenth of the mean of all, in metres."""
         return float(objective(np.array(self.lengths_m)))
 
 
 def team_routes(
     costs: ArrayLike,
-    lengths: ArrayLike,
+    path_lengths: ArrayLike,
     *,
     goals: Sequence[int | None] | None = None,
     service_lengths: ArrayLike | None = None,
     initial_lengths: ArrayLike | None = None,
 ) -> TeamRoutes:
-    """Return routes of all robots over all targets, planned so that the longest is short.
+    """Return routes of all robots over all targets that minimise the longest route.
 
     Parameters
     ----------
     costs : (n, m) array
         Cost of each robot to each target in metres; ``inf`` where there is no path, or where the
-        robot is not to go.
-    lengths : (m, m) array
+        robot must not go.
+    path_lengths : (m, m) array
         Lengths of the paths between targets in metres, symmetric; ``inf`` where there is no path.
     goals : sequence of (int or None), optional
-        The present goal of each robot, with which its first route begins. Of robots with the same
+        Present goal of each robot, with which its initial route begins. Of robots with the same
         goal the first one keeps it.
     service_lengths : (m,) array, optional
         Length that a robot drives at each target to explore what is beyond it, in metres. Half of
@@ -101,11 +101,12 @@ def team_routes(
 
     Notes
     -----
-    What is minimised is the longest route and a tenth of the mean of all. The first routes begin
-    with the goals. The other targets are inserted where this grows least, the one that is farthest
-    from all robots first. Then routes are changed while it becomes less
-    (`min_max_routes.improve`). This is done up to twelve times, each time with another target
-    inserted before the others, and the best routes count. Equal tables give equal routes.
+    The cost that is minimised is the longest route plus a tenth of the mean of all. The initial
+    routes begin with the goals. The other targets are inserted where the cost increases least, the
+    one that is farthest from all robots first. Then routes are changed as long as the cost
+    decreases (`min_max_routes.improve`). This is done up to twelve times, each time with another
+    target inserted before the others, and the best routes are returned. Equal tables give equal
+    routes.
 
     Source: the routes of M-TARE (repository `caochao39/mtare_planner`), and the goals of J. Faigl,
     M. Kulich and L. Přeučil, Goal assignment using distance cost in multi-robot exploration (2012);
@@ -121,17 +122,17 @@ def team_routes(
     >>> team_routes([np.abs(x), np.abs(x - 10.0)], np.abs(x[:, None] - x)).routes
     ((1, 0), (2,))
     """
-    ways = cost_table(costs)
-    robots, targets = ways.shape
+    table = cost_table(costs)
+    robots, targets = table.shape
     if robots == 0:
         raise InvalidInputError("costs has no rows; give one for each robot")
-    between = _table(lengths, "lengths", (targets, targets))
+    lengths = _table(path_lengths, "path_lengths", (targets, targets))
     service = _table(service_lengths, "service_lengths", (targets,))
     before = _table(initial_lengths, "initial_lengths", (robots,))
     first = _checked_goals(goals, robots, targets)
 
-    legs = _legs(ways + before[:, None], between, service)
-    nearest = ways.min(axis=0, initial=math.inf)
+    legs = _legs(table + before[:, None], lengths, service)
+    nearest = table.min(axis=0, initial=math.inf)
     order = np.argsort(-nearest, kind="stable")
     rows, sizes = _best(robots, targets, first, order[np.isfinite(nearest[order])], legs)
     routes = tuple(
@@ -168,16 +169,16 @@ def _checked_goals(goals: Sequence[int | None] | None, robots: int, targets: int
     return np.array([-1 if goal is None else goal for goal in goals], np.int64)
 
 
-def _legs(ways: FloatArray, between: FloatArray, service: FloatArray) -> Costs:
+def _legs(costs: FloatArray, path_lengths: FloatArray, service: FloatArray) -> Costs:
     """Return the costs of the legs as `min_max_routes` takes them, metres in place of seconds.
 
-    Each robot is of a kind of its own, to which there are no legs to targets without a way.
+    Each robot is of a kind of its own, which has no legs to targets to which it has no path.
     """
-    robots, targets = ways.shape
+    robots, targets = costs.shape
     half = service / 2.0
     legs = np.full((robots, targets + robots, targets + robots), np.inf)
-    legs[:, :targets, :targets] = between + half + half[:, None]
-    for robot, own in enumerate(ways):
+    legs[:, :targets, :targets] = path_lengths + half + half[:, None]
+    for robot, own in enumerate(costs):
         legs[robot, :targets, targets + robot] = legs[robot, targets + robot, :targets] = own + half
         legs[robot][:, :targets][:, np.isinf(own)] = np.inf
         legs[robot][:targets][np.isinf(own)] = np.inf
@@ -195,8 +196,8 @@ def _legs(ways: FloatArray, between: FloatArray, service: FloatArray) -> Costs:
 def _best(
     robots: int, targets: int, first: IntArray, order: IntArray, costs: Costs
 ) -> tuple[IntArray, IntArray]:
-    # The best of several local searches: the one that visits the most targets, of several that with
-    # the lowest cost. Each begins with another target, the others in the order given.
+    # The best of several local searches: that which visits the most targets, of several such that
+    # with the lowest cost. Each begins with another target; the others follow in the given order.
     count = len(order)
     starts = min(MAX_RESTARTS, max(1, count))
     best, found, found_sizes = np.inf, _empty(robots, targets), np.zeros(robots, np.int64)
@@ -220,7 +221,7 @@ def _best(
 
 @kernel
 def _empty(robots: int, targets: int) -> IntArray:
-    # Routes of which each begins at the start of its robot and has no place.
+    # Routes that consist of the start of their robot only.
     routes = np.full((robots, targets + 1), -1, np.int64)
     routes[:, 0] = targets + np.arange(robots)
     return routes
@@ -230,7 +231,7 @@ def _empty(robots: int, targets: int) -> IntArray:
 def _construct(
     routes: IntArray, sizes: IntArray, first: IntArray, order: IntArray, costs: Costs
 ) -> None:
-    # Fill routes in place: first the goals, then each target where the routes grow least.
+    # Fill routes in place: first the goals, then each target where the cost increases least.
     is_open = np.ones(routes.shape[1], np.bool_)
     for r in range(len(sizes)):
         goal = first[r]

@@ -1,4 +1,4 @@
-"""UTILITY: costs are weighed against what other robots will see from their targets."""
+"""UTILITY: costs are weighed against utilities that assigned targets near by reduce."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class UtilityAssignment:
 
 def utility(
     costs: ArrayLike,
-    between: ArrayLike,
+    distances: ArrayLike,
     visible: ArrayLike,
     overlap_m: float,
     beta: float = 1.0,
@@ -47,13 +47,14 @@ def utility(
     ----------
     costs : (n, m) array
         Cost of each robot to each target in metres; ``inf`` where there is no path.
-    between : (m, m) array
+    distances : (m, m) array
         Euclidean distances between targets in metres.
     visible : (m, m) array of bool
         Whether two targets see each other; the diagonal is taken as True.
     overlap_m : float
-        Distance R in metres from which targets take no utility from each other. Burgard et al.
-        take the range of the range finders; areas seen from two targets overlap up to twice that.
+        Distance R in metres at and beyond which targets do not reduce each other's utility. Burgard
+        et al. take the range of the range finders; areas seen from two targets overlap up to twice
+        that.
     beta : float
         Weight of the cost against the utility.
     worth : (m,) array, optional
@@ -87,15 +88,15 @@ def utility(
     Targets 0 and 1 are 2 m apart and see each other, so robot 1 goes to target 2:
 
     >>> costs = [[2.0, 3.0, 9.0], [3.0, 4.0, 10.0]]
-    >>> between = [[0.0, 2.0, 30.0], [2.0, 0.0, 30.0], [30.0, 30.0, 0.0]]
-    >>> utility(costs, between, np.ones((3, 3)), 8.0).assignment.tolist()
+    >>> distances = [[0.0, 2.0, 30.0], [2.0, 0.0, 30.0], [30.0, 30.0, 0.0]]
+    >>> utility(costs, distances, np.ones((3, 3)), 8.0).assignment.tolist()
     [0, 2]
     """
     table = cost_table(costs)
     robots, targets = table.shape
-    apart = cost_table(between, "between")
+    euclidean = cost_table(distances, "distances")
     sees = np.asarray(visible, np.bool_)
-    for name, shape in (("between", apart.shape), ("visible", sees.shape)):
+    for name, shape in (("distances", euclidean.shape), ("visible", sees.shape)):
         if shape != (targets, targets):
             raise InvalidInputError(
                 f"{name} has the shape {shape}; for {targets} targets it must be square"
@@ -109,7 +110,7 @@ def utility(
     if left.shape != (targets,) or not np.isfinite(left).all():
         raise InvalidInputError(f"worth must have a finite utility for each of {targets} targets")
     share = table / (largest_finite(table) or 1.0)
-    lost = overlap(apart, sees | np.eye(targets, dtype=np.bool_), overlap_m)  # P
+    lost = overlap(euclidean, sees | np.eye(targets, dtype=np.bool_), overlap_m)  # P
     assignment = np.full(robots, UNASSIGNED, np.int64)
     rounds: list[tuple[int, int, float, float]] = []
     waiting: BoolArray = np.count_nonzero(np.isfinite(table), axis=1) > 0
@@ -131,18 +132,19 @@ def utility(
     )
 
 
-def overlap(between: ArrayLike, visible: ArrayLike, overlap_m: float) -> FloatArray:
-    """Return the utility that targets lose to goals near them (P).
+def overlap(distances: ArrayLike, visible: ArrayLike, overlap_m: float) -> FloatArray:
+    """Return by how much goals reduce the utility of targets near them (P).
 
     Parameters
     ----------
-    between : (k, m) array
+    distances : (k, m) array
         Euclidean distances from k goals to the targets in metres.
     visible : (k, m) array of bool
         Whether they see each other.
     overlap_m : float
-        Distance R in metres from which targets take no utility from each other. Burgard et al.
-        take the range of the range finders; areas seen from two targets overlap up to twice that.
+        Distance R in metres at and beyond which targets do not reduce each other's utility. Burgard
+        et al. take the range of the range finders; areas seen from two targets overlap up to twice
+        that.
 
     Returns
     -------
@@ -153,6 +155,6 @@ def overlap(between: ArrayLike, visible: ArrayLike, overlap_m: float) -> FloatAr
     >>> overlap([[0.0, 2.0, 9.0]], [[True, True, True]], 8.0).tolist()
     [[1.0, 0.75, 0.0]]
     """
-    lost: FloatArray = np.maximum(1.0 - np.asarray(between) / overlap_m, 0.0)
+    lost: FloatArray = np.maximum(1.0 - np.asarray(distances) / overlap_m, 0.0)
     lost[~np.asarray(visible, np.bool_)] = 0.0
     return lost

@@ -67,7 +67,7 @@ class Party:
     leader : bool
         Whether it has raised its flag.
     inactive : bool
-        Whether it has finished or is lost, so that no robot waits for it.
+        Whether it has finished or is presumed lost, so that no robot waits for it.
     """
 
     robot: int
@@ -150,7 +150,7 @@ def right_of_way(
         return Ruling(leader=False)
     conflict = meeting.conflict()
     # Robots that do not wait for this one will continue their own.
-    passing = [mate.robot for mate in seen if mate not in conflict]
+    passing = [teammate.robot for teammate in seen if teammate not in conflict]
     if passing:
         return Ruling(me.leader and len(conflict) > 1, tuple(passing))
     number = leader_of(party.claim for party in conflict)
@@ -192,7 +192,7 @@ def leader_of(claims: Iterable[Claim]) -> int | None:
 
 
 def stands_in_the_way(
-    path: FloatArray, mate: Configuration, near_m: float, within_m: float = math.inf
+    path: FloatArray, teammate: Configuration, near_m: float, within_m: float = math.inf
 ) -> bool:
     """Whether a path approaches another robot more closely than allowed.
 
@@ -203,7 +203,7 @@ def stands_in_the_way(
     ----------
     path : (k, 2) array
         The path in metres, from the robot's position on.
-    mate : Configuration
+    teammate : Configuration
         Configuration of the other robot.
     near_m : float
         Minimum distance between the two reference points in metres.
@@ -222,10 +222,10 @@ def stands_in_the_way(
     >>> stands_in_the_way(path, Configuration(-0.1, 0.4, 0.0), 0.6)
     False
     """
-    here = np.array([[mate.x, mate.y]])
+    here = np.array([[teammate.x, teammate.y]])
     legs = _legs(path, within_m)
     nearest = float(distance_to_segments(here, legs)[0])
-    at_first = math.hypot(legs[0, 0] - mate.x, legs[0, 1] - mate.y)
+    at_first = math.hypot(legs[0, 0] - teammate.x, legs[0, 1] - teammate.y)
     return nearest < near_m and nearest < at_first - NEARER_M
 
 
@@ -286,32 +286,35 @@ class _Meeting:
         if len(set(numbers)) < len(numbers):
             raise InvalidInputError(f"robots have numbers of their own, not {numbers}")
 
-    def blocks(self, party: Party, mate: Party) -> bool:
-        """Whether `mate` stands on the path of `party`."""
-        near_m = party.radius_m + mate.radius_m + self._margin_m
-        return stands_in_the_way(party.path, mate.configuration, near_m, self._radius_m)
+    def blocks(self, party: Party, teammate: Party) -> bool:
+        """Whether `teammate` stands on the path of `party`."""
+        near_m = party.radius_m + teammate.radius_m + self._margin_m
+        return stands_in_the_way(party.path, teammate.configuration, near_m, self._radius_m)
 
-    def sees(self, party: Party, mate: Party) -> bool:
-        """Whether `party` waits for `mate`: it is in the sector or on the path."""
-        at, there = party.configuration, mate.configuration
-        return party is not mate and (
-            is_in_sector(at, there, self._radius_m, self._sector_rad) or self.blocks(party, mate)
+    def sees(self, party: Party, teammate: Party) -> bool:
+        """Whether `party` waits for `teammate`: it is in the sector or on the path."""
+        at, there = party.configuration, teammate.configuration
+        return party is not teammate and (
+            is_in_sector(at, there, self._radius_m, self._sector_rad)
+            or self.blocks(party, teammate)
         )
 
     def seen(self) -> list[Party]:
         """Return the active robots that this one sees."""
-        return [mate for mate in self._active if self.sees(self._me, mate)]
+        return [teammate for teammate in self._active if self.sees(self._me, teammate)]
 
     def conflict(self) -> list[Party]:
         """Return the robots that this one waits for and that wait for it, also through others."""
         waited_for = self._reached(self.sees)
-        waiting = self._reached(lambda party, mate: self.sees(mate, party))
+        waiting = self._reached(lambda party, teammate: self.sees(teammate, party))
         return [party for party in waiting if party in waited_for]
 
     def _reached(self, leads_to: Callable[[Party, Party], bool]) -> list[Party]:
         found = [self._me]
         for party in found:
-            found += [mate for mate in self._active if mate not in found and leads_to(party, mate)]
+            found += [
+                other for other in self._active if other not in found and leads_to(party, other)
+            ]
         return found
 
 

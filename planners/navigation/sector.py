@@ -25,7 +25,10 @@ EDGE: Final = 1e-9
 
 
 def is_in_sector(
-    at: Configuration, mate: Configuration, radius_m: float, half_opening_rad: float = SECTOR_RAD
+    at: Configuration,
+    teammate: Configuration,
+    radius_m: float,
+    half_opening_rad: float = SECTOR_RAD,
 ) -> bool:
     """Whether another robot is in the sector ahead of a robot.
 
@@ -33,7 +36,7 @@ def is_in_sector(
     ----------
     at : Configuration
         Configuration of the robot; the sector opens along its heading.
-    mate : Configuration
+    teammate : Configuration
         Configuration of the other robot. One at the same place is in the sector.
     radius_m : float
         Radius of the sector in metres.
@@ -51,12 +54,12 @@ def is_in_sector(
     >>> is_in_sector(Configuration(0.0, 0.0, 0.0), Configuration(2.0, 0.6, 0.0), 3.0)
     False
     """
-    distance = at.distance(mate)
+    distance = at.distance(teammate)
     if distance == 0.0:
         return True
     if distance > radius_m:
         return False
-    offset = np.array([[mate.x - at.x, mate.y - at.y]])
+    offset = np.array([[teammate.x - at.x, teammate.y - at.y]])
     return bool(_in_sector(offset, at.heading, half_opening_rad)[0])
 
 

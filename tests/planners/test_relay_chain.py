@@ -1,4 +1,4 @@
-"""Where relays stand along a way: on a line, with answers worked out by hand."""
+"""Where relays stand along a path: on a line, with answers worked out by hand."""
 
 import itertools
 import math
@@ -32,7 +32,7 @@ def test_on_a_line_there_are_as_few_as_can_be(length_m, range_m, relays):
 
 @given(st.lists(st.floats(-1.2, 1.2), min_size=1, max_size=25), st.floats(2.0, 6.0))
 def test_what_is_found_is_a_chain(turns, range_m):
-    # A way of steps of 1 m that winds.
+    # A path of steps of 1 m that winds.
     steps = np.cumsum(turns)
     path = np.vstack([[(0.0, 0.0)], np.cumsum(np.column_stack([np.cos(steps), np.sin(steps)]), 0)])
     found = relay_places(path, (0.0, 0.0), within(range_m), max_relays=50)
@@ -42,7 +42,7 @@ def test_what_is_found_is_a_chain(turns, range_m):
     assert all(math.dist(a, b) <= range_m + 1e-9 for a, b in itertools.pairwise(stops))
 
 
-def test_a_longer_way_begins_with_the_same_places():
+def test_a_longer_path_begins_with_the_same_places():
     short = relay_places(line(30), (0.0, 0.0), within(9.0), max_relays=9)
     long = relay_places(line(50), (0.0, 0.0), within(9.0), max_relays=9)
     assert short is not None
@@ -65,7 +65,7 @@ def test_relays_are_not_kept_where_there_are_too_few_of_them():
 
 
 @pytest.mark.parametrize("place", [(7.0, 3.0), (11.0, 0.0)])
-def test_relays_off_the_way_or_out_of_reach_are_not_kept(place):
+def test_relays_off_the_path_or_out_of_reach_are_not_kept(place):
     found = relay_places(line(15), (0.0, 0.0), within(9.0), max_relays=2, kept=[place])
     assert found == ((9.0, 0.0),)
 
@@ -77,5 +77,5 @@ def test_new_relays_stand_before_the_front():
     assert found == ((7.0, 0.0),)
 
 
-def test_a_way_that_the_base_station_does_not_hear_has_no_chain():
+def test_a_path_that_the_base_station_does_not_hear_has_no_chain():
     assert relay_places(line(20)[12:], (0.0, 0.0), within(9.0), max_relays=9) is None

@@ -212,7 +212,7 @@ class Rules:
     def waits_for_others(
         self, robot: FrontierRobot, path: FloatArray
     ) -> Generator[Action, Outcome, bool]:
-        """CONFLICTS: wait if a mate is ahead, unless this robot leads; return whether it did."""
+        """CONFLICTS: wait if a robot is ahead, unless this one leads; return whether it waited."""
         team, options = robot.team, robot_options(robot)
         if options.conflict_radius_m == 0.0:
             return False
@@ -245,8 +245,8 @@ class Rules:
     def swaps(self, robot: FrontierRobot) -> Generator[Action, Outcome, bool]:
         """EXCHANGE: swap aims with another robot if that is shorter; return whether it did."""
         team = robot.team
-        mates = [report for report in team.present() if report.aim is not None]
-        now = (team.cells.aim, *((mate.robot, mate.aim) for mate in mates))
+        teammates = [report for report in team.present() if report.aim is not None]
+        now = (team.cells.aim, *((teammate.robot, teammate.aim) for teammate in teammates))
         if team.cells.aim is None or not robot_options(robot).exchange or now == self.compared:
             return False
         self.compared = now
@@ -255,28 +255,30 @@ class Rules:
             here = robot.at[:2]
             own = path_cost(robot, survey, here, team.cells.aim)
             owners, asked = [own], [math.inf]
-            for mate in mates:
-                assert mate.aim is not None
+            for teammate in teammates:
+                assert teammate.aim is not None
                 to_it = theirs = math.inf
-                if math.dist(here, mate.aim) < own:
-                    to_it = path_cost(robot, survey, here, mate.aim)
+                if math.dist(here, teammate.aim) < own:
+                    to_it = path_cost(robot, survey, here, teammate.aim)
                 if to_it < own:
-                    theirs = path_cost(robot, survey, mate.place[:2], mate.aim)
+                    theirs = path_cost(robot, survey, teammate.place[:2], teammate.aim)
                 asked.append(to_it)
                 owners.append(theirs)
             partner = exchange(0, asked, owners)
             if partner is None:
                 return False
-            mate = mates[partner - 1]
+            teammate = teammates[partner - 1]
             most = own + owners[partner] + robot.options.cell_m
             if robot_options(robot).exchange_when == "shorter" and most < asked[
                 partner
-            ] + path_cost(robot, survey, mate.place[:2], team.cells.aim):
+            ] + path_cost(robot, survey, teammate.place[:2], team.cells.aim):
                 return False
-        if mate.aim is None:
+        if teammate.aim is None:
             return False
-        given, team.cells.aim = team.cells.aim, mate.aim
-        yield Send(SwapMessage(sender=robot.me.robot, taken=mate.aim, given=given), mate.robot)
+        given, team.cells.aim = team.cells.aim, teammate.aim
+        yield Send(
+            SwapMessage(sender=robot.me.robot, taken=teammate.aim, given=given), teammate.robot
+        )
         return True
 
 
@@ -351,7 +353,7 @@ def chosen(
     scores: Scores,
 ) -> GoalChosen:
     """Return the record of a choice."""
-    mates = [report.robot for report in robot.team.present()]
+    teammates = [report.robot for report in robot.team.present()]
     return GoalChosen(
         time_s=robot.time_s,
         robot=robot.me.robot,
@@ -360,7 +362,7 @@ def chosen(
         goal=goal,
         cost_m=cost_m,
         frontiers=tuple([(x, y) for x, y in robot.targets().tolist()]),
-        robots=tuple(sorted([robot.me.robot, *mates])),
+        robots=tuple(sorted([robot.me.robot, *teammates])),
         scores=scores,
     )
 
@@ -391,21 +393,22 @@ def tell_inaccessible(
         )
 
 
-def as_party(robot: FrontierRobot, mate: Sighting) -> Party:
-    """Return a mate in sight as a party to the right of way: its place as seen, the rest as told.
+def as_party(robot: FrontierRobot, teammate: Sighting) -> Party:
+    """Return a teammate in sight as a party to the right of way.
 
-    A mate that is not present, or has nothing to do, is inactive.
+    Its place is as seen, the rest as reported. A teammate that is not present, or has nothing to
+    do, is inactive.
     """
-    at = mate.configuration
-    told = {report.robot: report for report in robot.team.present()}.get(mate.robot)
+    at = teammate.configuration
+    told = {report.robot: report for report in robot.team.present()}.get(teammate.robot)
     path = np.array([at[:2]])
     if told is not None and told.phase == "driving" and told.path:
         path = ahead(np.array(told.path), at)
     return Party(
-        robot=mate.robot,
+        robot=teammate.robot,
         configuration=facing(at, path),
         path=path,
-        radius_m=mate.footprint.circumscribed_radius_m,
+        radius_m=teammate.footprint.circumscribed_radius_m,
         leader=told is not None and told.leader,
         inactive=told is None,
     )

@@ -37,7 +37,7 @@ class BodyInTheWay:
 
     @property
     def is_lost(self) -> bool:
-        """Whether the robot is taken as lost."""
+        """Whether the robot is presumed lost."""
         return math.isinf(self.until_s)
 
 
@@ -72,11 +72,11 @@ class Bodies:
         return [body.sighting for body in self._standing.values()]
 
     def add(self, sighting: Sighting, until_s: float = math.inf) -> None:
-        """Take a robot as an obstacle until a time, or as lost."""
+        """Take a robot as an obstacle until a time; ``inf`` if it is presumed lost."""
         self._standing[sighting.robot] = BodyInTheWay(sighting, until_s)
 
     def note_heard(self, robot: int) -> None:
-        """Drop a robot that was taken as lost: it was heard from."""
+        """Drop a robot that was presumed lost: it was heard from."""
         body = self._standing.get(robot)
         if body is not None and body.is_lost:
             del self._standing[robot]

@@ -1,19 +1,19 @@
 """Chains of robots that keep the base station in touch while one of them explores.
 
-The robot of the lowest number that is not lost is the *front*; once it finds itself with nothing to
-do, the next one is, and the first again when all had their turn. It goes to those frontiers only
-from which a chain of relays, as many as there are other robots, reaches the base station, and waits
-until the relays are in place (`multisrt.planners.relay_chain`). Its reports tell who stands where.
-The others explore as far as the base station, or a relay that is called, surely hears them, the
-relay being where it is to stand; one that is called goes to its place and stays until the front
+The *front* is the robot of the lowest number that is not presumed lost. Once it has nothing to do,
+the next robot is the front, and the first one again when all had their turn. The front goes only to
+frontiers from which a chain of relays, at most as many as there are other robots, reaches the base
+station, and waits until the relays are in place (`multisrt.planners.relay_chain`). Its reports tell
+which robot stands where. The other robots explore where the base station, or a called relay at its
+place, is certain to hear them. A robot that is called goes to its place and stays until the front
 calls it elsewhere or lets it go, which it does as soon as its chain is shorter, or it has nothing
-to do. Nobody waits for ever: who is called and does not come in time is taken as lost, and who does
-not hear the front for a while takes that as lost; then the next robot is the front.
+to do. No robot waits forever: a relay that is late and was not heard for a while is presumed lost;
+so is a front that was not heard for a while, and then the next robot is the front.
 
-Source: see `multisrt.planners.relay_chain`. Differs in: what links places surely is worked out from
-the own map, and not from measured signals: the radio's range less a margin, and where walls matter
-a line of sight over cells known to be free. On the way from one goal to the next the front may be
-out of touch for a moment, as only its goals are checked.
+Source: see `multisrt.planners.relay_chain`. Differs in: which places are certain to be linked is
+computed from the robot's own map, not from measured signals: by the range of the radio less a
+margin, and where walls matter by a line of sight over cells known to be free. Between two goals the
+front may be out of touch for a moment, as only its goals are checked.
 """
 
 from __future__ import annotations
@@ -34,27 +34,27 @@ from multisrt.robots.frontier.course import Course
 from multisrt.robots.frontier.errands import Errand
 from multisrt.robots.frontier.frontiers import Frontiers
 from multisrt.robots.frontier.goal import Goal, Place
+from multisrt.robots.frontier.home_paths import HomePaths
 from multisrt.robots.frontier.messages import ChainLink
 from multisrt.robots.frontier.options import FrontierOptions
 from multisrt.robots.frontier.scan_map import ScanMap
 from multisrt.robots.frontier.team import Team, link_of
-from multisrt.robots.frontier.ways import Ways
 from multisrt.robots.homing.just_in_time import JustInTime
 
 IN_PLACE_M = 1.0
-"""A relay this near to its place is there, in metres."""
+"""Maximum distance in metres between a relay that is in place and its place."""
 
 CLEAR_M = 1.5
-"""Relays are called to places at least this far from the front, in metres, where they can be."""
+"""Minimum distance in metres of new relays from the front, where possible."""
 
 MAX_LATE = 3
-"""A robot that was late as often is not called any more."""
+"""Number of times a robot was late after which it is not called any more."""
 
 MAX_UNHEARD = 10
-"""A relay on its way takes a front as lost after so many times `home_wait_s` without hearing it."""
+"""Multiple of `home_wait_s` after which a relay on its path presumes an unheard front lost."""
 
 STEP_M = 0.25
-"""Places along a way are at most this far apart, in metres."""
+"""Maximum distance between places along a path, in metres."""
 
 
 class Chain:
@@ -72,10 +72,10 @@ class Chain:
         What it knows.
     team : Team
         Its messages.
-    ways : Ways
-        Its ways home.
+    home_paths : HomePaths
+        Its paths home.
     time : JustInTime
-        How long ways last.
+        Its travel times.
     frontiers : Frontiers
         Its targets.
     """
@@ -87,7 +87,7 @@ class Chain:
         course: Course,
         map: ScanMap,
         team: Team,
-        ways: Ways,
+        home_paths: HomePaths,
         time: JustInTime,
         frontiers: Frontiers,
     ) -> None:
@@ -99,13 +99,13 @@ class Chain:
         self._course = course
         self._map = map
         self._team = team
-        self._ways = ways
+        self._home_paths = home_paths
         self._time = time
         self._frontiers = frontiers
         # Which front it follows, and since when.
         self._follows: int | None = None
         self._follows_since_s = -math.inf
-        # The goal for which relays are on their way.
+        # The goal for which relays were called.
         self._called_for: Place | None = None
         # How often each robot was called and did not come in time.
         self._late: Counter[int] = Counter()
@@ -114,9 +114,9 @@ class Chain:
 
     @property
     def others(self) -> list[int]:
-        """The robots that were heard and are not lost, by number."""
-        mates = self._team.mates
-        return [number for number in sorted(mates.reports) if not mates.is_lost(number)]
+        """The robots that were heard and are not presumed lost, by number."""
+        teammates = self._team.teammates
+        return [number for number in sorted(teammates.reports) if not teammates.is_lost(number)]
 
     @property
     def _relays(self) -> list[int]:
@@ -126,7 +126,7 @@ class Chain:
     @property
     def _may_lead(self) -> list[int]:
         """The robots that did not find themselves with nothing to do as the front."""
-        reports = self._team.mates.reports
+        reports = self._team.teammates.reports
         own = [] if self._team.passes_front else [self._me.robot]
         return own + [number for number in self.others if not reports[number].passes_front]
 
@@ -142,7 +142,7 @@ class Chain:
 
     def _told(self) -> tuple[ChainLink, ...] | None:
         """Return the links that the front told last."""
-        return None if self.is_front else self._team.mates.reports[self.front].links
+        return None if self.is_front else self._team.teammates.reports[self.front].links
 
     @property
     def is_led(self) -> bool:
@@ -154,7 +154,7 @@ class Chain:
         """Where this robot is to stand as a relay; None if it is not called."""
         if self.is_front:
             return None
-        return link_of(self._team.mates.reports[self.front], self._me.robot)
+        return link_of(self._team.teammates.reports[self.front], self._me.robot)
 
     # Choosing -------------------------------------------------------------------------------
 
@@ -171,9 +171,9 @@ class Chain:
         Returns
         -------
         (m,) array
-            As they are, if no way home is known: it has to be found.
+            As they are, if no path home is known: it has to be found.
         """
-        if not self._ways.lead_home:
+        if not self._home_paths.knows_contact:
             return costs_m
         reached = np.isfinite(costs_m)
         for k in np.flatnonzero(reached).tolist():
@@ -193,20 +193,20 @@ class Chain:
         return self._places_for(place) is not None
 
     def _standing(self) -> tuple[ChainLink, ...]:
-        """Return the links that the front told, up to the first whose robot is lost."""
+        """Return the links of the front, up to the first whose robot may not be called."""
         relays = self._relays
         return tuple(takewhile(lambda link: link.robot in relays, self._team.links or ()))
 
     def _places_for(self, place: Place) -> tuple[Place, ...] | None:
         """Return where relays stand for a goal; None if there are too few.
 
-        If they would be too few along the way from home, those that are called stay, up to one that
-        hears the goal. None is needed if no way is known: it has to be found.
+        If the relays would be too few along the path from home, those that are called stay, up to
+        one that hears the goal. None is needed if no path is known: it has to be found.
         """
         if self.linked(np.array([place]), self._base)[0]:
             return ()
         kept = [link.place for link in self._standing()]
-        path = self._ways.path_from_home(place)
+        path = self._home_paths.path_from_home(place)
         places = None
         if path is not None:
             places = relay_places(
@@ -226,10 +226,10 @@ class Chain:
         return () if path is None else None
 
     def linked(self, places: FloatArray, at: Place) -> BoolArray:
-        """Return which places are surely linked with a place, ``(n,)``.
+        """Return which places are certain to be linked with a place, ``(n,)``.
 
-        They are within the radio's range less a margin; where walls matter, and in sight of it over
-        cells that are known to be free.
+        They are within the range of the radio less a margin and, where walls matter, in sight of
+        the place over cells that are known to be free.
         """
         near: BoolArray = np.hypot(*(places - np.array(at)).T) <= self._link_m
         if not self._me.radio.walls_matter or not near.any():
@@ -258,7 +258,7 @@ class Chain:
         """Call the relays that a goal needs; return the errand to wait for them, if any is late."""
         places = self._places_for(goal.place)
         if places is None:
-            # It is out of reach, and the robot goes there to find a way home.
+            # It is out of reach, and the robot goes there to find a path home.
             places = tuple(link.place for link in self._standing())
         self._team.passes_front = False
         self._team.links = self._assigned(places)
@@ -267,7 +267,7 @@ class Chain:
             return None
         self._called_for = goal.place
         here = self._course.at[:2]
-        way_s = [self._way_s(link) for link in late]
+        travel_s = [self._travel_time_s(link) for link in late]
         named = ", ".join(str(link.robot) for link in late)
         return Errand(
             kind="wait",
@@ -275,7 +275,7 @@ class Chain:
             f"{'their places' if len(late) > 1 else 'its place'}",
             goal=Goal(*here, np.array([here]), 0.0),
             is_over=lambda: not self._not_in_place(),
-            until_s=self._course.time_s + max(way_s) + self._options.home_wait_s,
+            until_s=self._course.time_s + max(travel_s) + self._options.home_wait_s,
         )
 
     def take_called_for(self) -> Place | None:
@@ -284,14 +284,14 @@ class Chain:
         are_there = self.is_front and self._team.links and not self._not_in_place()
         return place if are_there else None
 
-    def note_in_vain(self) -> list[int]:
-        """Record that relays did not come; return the numbers of those that are taken as lost."""
-        now_s, mates = self._course.time_s, self._team.mates
+    def note_missed(self) -> list[int]:
+        """Record that relays did not come; return the numbers of those presumed lost."""
+        now_s, teammates = self._course.time_s, self._team.teammates
         late = [link.robot for link in self._not_in_place()]
         self._late.update(late)
-        lost = [n for n in late if mates.last_heard_s(n) < now_s - self._options.home_wait_s]
+        lost = [n for n in late if teammates.last_heard_s(n) < now_s - self._options.home_wait_s]
         for number in lost:
-            mates.note_lost(number, now_s)
+            teammates.note_lost(number, now_s)
         return lost
 
     def let_go(self) -> None:
@@ -309,7 +309,7 @@ class Chain:
         held = {place: before[place] for place in places if place in before}
         for number in held.values():
             free.remove(number)
-        reports, links = self._team.mates.reports, []
+        reports, links = self._team.teammates.reports, []
         for place in places:
             if place not in held:
                 nearest = min(free, key=lambda n: (self._length(reports[n].place[:2], place), n))
@@ -319,7 +319,7 @@ class Chain:
         return tuple(links)
 
     def _not_in_place(self) -> list[ChainLink]:
-        reports = self._team.mates.reports
+        reports = self._team.teammates.reports
         return [
             link
             for link in self._team.links or ()
@@ -327,12 +327,12 @@ class Chain:
             or math.dist(reports[link.robot].place[:2], link.place) > IN_PLACE_M
         ]
 
-    def _way_s(self, link: ChainLink) -> float:
-        length_m = self._length(self._team.mates.reports[link.robot].place[:2], link.place)
-        return self._time.way_s(length_m) if math.isfinite(length_m) else 0.0
+    def _travel_time_s(self, link: ChainLink) -> float:
+        length_m = self._length(self._team.teammates.reports[link.robot].place[:2], link.place)
+        return self._time.travel_time_s(length_m) if math.isfinite(length_m) else 0.0
 
     def _length(self, here: Place, there: Place) -> float:
-        return self._ways.length_between(here, there)
+        return self._home_paths.length_between(here, there)
 
     # A relay --------------------------------------------------------------------------------
 
@@ -354,7 +354,7 @@ class Chain:
         return self._errand_at(None, f"by, to be called by robot {front}", front)
 
     def _errand_at(self, place: Place | None, why: str, front: int) -> Errand:
-        mates, revision = self._team.mates, self._map.raster.revision
+        teammates, revision = self._team.teammates, self._map.raster.revision
         # One that is jammed stands by though it is called.
         called = self.own_link
         now_s, wait_s = self._course.time_s, self._options.home_wait_s
@@ -362,9 +362,9 @@ class Chain:
             self._follows, self._follows_since_s = front, now_s
         at = self._course.at[:2]
         here = Goal(*at, np.array([at]), 0.0)
-        goal = here if place is None else self._ways.goal_near(place)
+        goal = here if place is None else self._home_paths.goal_near(place)
         # Who stays where it is and is interrupted again and again gets no new patience each time.
-        unheard_s = now_s - max(mates.last_heard_s(front), self._follows_since_s)
+        unheard_s = now_s - max(teammates.last_heard_s(front), self._follows_since_s)
         is_patient = (place is not None and goal is not None) or unheard_s < wait_s
         if unheard_s >= MAX_UNHEARD * wait_s:
             # It is kept from its place, as by robots that do not let it pass.
@@ -379,28 +379,31 @@ class Chain:
                 self.front != front
                 or not self.is_led
                 or self.own_link != called
-                or (goal is None and place is not None and self._ways.goal_near(place) is not None)
+                or (goal is None and place is not None and self._has_path_near(place))
                 # Who stands by may have a goal, with what is new.
                 or (place is None and self._has_goal_since(revision))
             ),
             patience_s=wait_s if is_patient else 0.0,
-            heard_s=lambda: mates.last_heard_s(front),
+            heard_s=lambda: teammates.last_heard_s(front),
         )
 
+    def _has_path_near(self, place: Place) -> bool:
+        return self._home_paths.goal_near(place) is not None
+
     def _has_goal_since(self, revision: int) -> bool:
-        """Whether there is a frontier in reach by what is new since a revision of the map."""
+        """Return whether the map is new since a revision and there is a frontier in reach."""
         if self._map.raster.revision == revision:
             return False
         places = [(x, y) for x, y in self._frontiers.targets().tolist()]
         return any(self._reaches(place) for place in places)
 
     def note_unheard(self) -> int | None:
-        """Take the front as lost that was not heard for long; return its number."""
+        """Presume the front lost if it was not heard for long; return its number."""
         front, now_s = self._follows, self._course.time_s
-        heard_s = -math.inf if front is None else self._team.mates.last_heard_s(front)
+        heard_s = -math.inf if front is None else self._team.teammates.last_heard_s(front)
         if front is None or now_s < heard_s + self._options.home_wait_s:
             return None
-        self._team.mates.note_lost(front, now_s)
+        self._team.teammates.note_lost(front, now_s)
         return front
 
 

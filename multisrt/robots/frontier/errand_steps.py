@@ -14,7 +14,7 @@ from multisrt.robots.frontier.robot import FrontierRobot
 from multisrt.robots.homing.pairs import Role, Stage
 
 MAX_PROPOSALS = 6
-"""How often an explorer proposes an appointment to its relay before it goes on without."""
+"""Number of proposals of a rendezvous after which an explorer goes on without one."""
 
 
 def errand_now(robot: FrontierRobot) -> Errand | None:
@@ -23,13 +23,13 @@ def errand_now(robot: FrontierRobot) -> Errand | None:
     if found is not None or robot.pursuit is None or robot.team.requests.meet:
         return found
     if robot.homing is not None and robot.homing.chain is not None:
-        # Who goes after a mate breaks the chain.
+        # A robot that goes after a teammate breaks the chain.
         return None
     return robot.pursuit.errand()
 
 
 def news_errand(robot: FrontierRobot, homing: FrontierHoming) -> Errand | None:
-    """Return the errand that brings news home, or to the mate of the pair that does."""
+    """Return the errand that brings news home, or to the partner that does."""
     why = homing.reason(robot.course) if robot.team.carries else None
     if why is not None:
         robot.team.requests.meet = False
@@ -41,13 +41,13 @@ def news_errand(robot: FrontierRobot, homing: FrontierHoming) -> Errand | None:
         return None
     if pair.role is Role.RELAY and pair.stage is Stage.UNTIL_DUE:
         if homing.may_deliver(robot.course):
-            return homing.errand(robot.course, f"it carries the news of robot {pair.mate}")
+            return homing.errand(robot.course, f"it carries the news of robot {pair.partner}")
         pair.set_out()
     return homing.meeting(robot.course)
 
 
 def agree(robot: FrontierRobot, homing: FrontierHoming, following: Place | None) -> Steps:
-    """Agree with the relay, which is here, on the next appointment.
+    """Agree with the relay, which is here, on the next rendezvous.
 
     Parameters
     ----------
@@ -62,19 +62,19 @@ def agree(robot: FrontierRobot, homing: FrontierHoming, following: Place | None)
     team.requests.meet = False
     if pair.role is not Role.EXPLORER:
         return
-    assert pair.mate is not None
+    assert pair.partner is not None
     proposal = homing.propose(robot.course, following)
     for _ in range(MAX_PROPOSALS):
         have = robot.map.entries.counts()
-        yield Send(msgspec.structs.replace(proposal, have=have), pair.mate)
+        yield Send(msgspec.structs.replace(proposal, have=have), pair.partner)
         yield from team.pause(team.period_s)
         if pair.accepted:
             break
     team.requests.meet = False
     made = proposal.appointment
-    text = f"meets robot {pair.mate}, which takes its news"
+    text = f"meets robot {pair.partner}, which takes its news"
     if not pair.accepted:
-        text = f"meets robot {pair.mate}, which accepts no appointment"
+        text = f"meets robot {pair.partner}, which accepts no appointment"
     elif made is not None:
         text += f"; next at {made.due_s:.0f} s (appointment {made.number})"
     place = None if made is None else made.place
@@ -82,9 +82,9 @@ def agree(robot: FrontierRobot, homing: FrontierHoming, following: Place | None)
 
 
 def end_in_chain(robot: FrontierRobot, chain: Chain, errand: Errand) -> Steps:
-    """Record which robots are taken as lost, as they did not come or were not heard."""
+    """Record which robots are presumed lost, as they did not come or were not heard."""
     if errand.kind == "wait":
-        lost = chain.note_in_vain()
+        lost = chain.note_missed()
     else:
         front = chain.note_unheard()
         lost = [] if front is None else [front]
@@ -121,7 +121,7 @@ def end_errand(robot: FrontierRobot, errand: Errand, *, barred: bool) -> Steps:
         else:
             homing.note_unheard(robot.time_s)
         return
-    homing.pair.note_in_vain()
-    mate = homing.pair.mate
-    if not homing.pair.is_paired and mate is not None:
-        yield Note(PresumedLost(time_s=robot.time_s, robot=robot.me.robot, other=mate))
+    homing.pair.note_missed()
+    partner = homing.pair.partner
+    if not homing.pair.is_paired and partner is not None:
+        yield Note(PresumedLost(time_s=robot.time_s, robot=robot.me.robot, other=partner))

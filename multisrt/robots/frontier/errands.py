@@ -1,4 +1,4 @@
-"""Errands: where a robot goes for other ends than to explore, and how long it stays there."""
+"""Errands: where a robot goes for other purposes than to explore, and how long it stays there."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from multisrt.events import Purpose
 from multisrt.robots.frontier.goal import Goal
 
 ErrandKind = Literal["home", "meet", "pursue", "link", "wait"]
-"""To deliver news to the base station, to meet the mate that takes them or has them, to go after
-one that is out of touch, to stand as a relay, or to wait for those who do."""
+"""Deliver news to the base station, meet the partner of the pair, pursue a teammate that is out of
+touch, stand as a relay, or wait for relays."""
 
 WHAT: Final = {
     "home": "goes home",
@@ -21,7 +21,7 @@ WHAT: Final = {
     "link": "stands",
     "wait": "waits",
 }
-"""What a robot does on each kind of errand, in words."""
+"""What a robot does on each kind of errand, in the words of recordings."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -31,22 +31,23 @@ class Errand:
     Attributes
     ----------
     kind : {"home", "meet", "pursue", "link", "wait"}
-        What for.
+        Purpose.
     why : str
-        Why now, in words, for the record.
+        Reason in words, for the record.
     goal : Goal or None
-        Where, and the path there; None while bodies bar all paths.
+        Place and the path there; None while bodies bar all paths.
     is_over : callable
-        Whether there is nothing left to go there or to wait for.
+        Returns whether there is nothing left to go there or to wait for.
     until_s : float
-        When the robot goes on at the latest if it is there; counted from its arrival if it comes
-        later than `patience_s` before that.
+        Time in seconds until which the robot waits there. If it comes later than `patience_s`
+        before, it waits for `patience_s` from its arrival.
     patience_s : float
         Minimum time for which it waits there, in seconds.
     heard_s : callable
-        When the robot that it waits for was last heard; it waits for `patience_s` from then on.
+        Returns when the robot that it waits for was last heard; it waits for `patience_s` from then
+        on.
     is_barred : bool
-        Whether no path is free to where it should be, so that it stays where it is; it looks
+        Whether no path is free to where it should be, so that it stays where it is and looks
         whether bodies have left.
     """
 
@@ -70,11 +71,11 @@ class Errand:
         return "support" if self.kind == "pursue" else "home"
 
     def is_late(self, now_s: float) -> bool:
-        """Whether a robot that is still on its way need not come any more."""
+        """Return whether a robot that is not yet there is too late to come."""
         return math.isfinite(self.until_s) and now_s >= self.until_s + self.patience_s
 
     def waits_until_s(self, arrived_s: float) -> float:
-        """Return when a robot that came at some time goes on at the latest.
+        """Return the time until which a robot waits that arrived at a time.
 
         Examples
         --------

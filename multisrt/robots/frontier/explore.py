@@ -228,7 +228,7 @@ class FrontierExplorer:
         if is_done and robot.team.carries:
             # The answer to the last report may be on its way.
             yield from robot.team.pause(robot.team.round_trip_s)
-        if robot.team.requests.meet or (is_done and homing.may_dismiss_mate()):
+        if robot.team.requests.meet or (is_done and homing.may_dismiss_partner()):
             following = robot.at[:2] if goal is None else goal.place
             yield from agree(robot, homing, None if is_done else following)
         if event is Event.EXPLORED:

@@ -1,14 +1,15 @@
-"""GAIN: every robot goes where it will see much for a short way.
+"""GAIN: every robot goes where it will see a large area at a low cost.
 
-A strategy of this project. The value of a frontier is the area that would be seen from it, were all
-unknown cells free, over a power of the way there. To the area is added what stands for the way
-back to a frontier that is left behind: without it robots follow the large areas and leave scraps
-all over the map, which cost more in the end than was saved. The way counts the first turn, so that
-a robot does not turn back for a small advantage. Robots take frontiers in order of value and go on
-from there, and those that are taken leave less to others near them (`planners.assignment.gain`);
-each robot works this out for itself, for all robots that it takes into account. Of what a robot
-takes it goes first to where its tour of the rest stays short (`planners.assignment.gain_tours`),
-and it does not leave a goal for a small advantage.
+A strategy of this project. The value of a frontier is the area that would be seen from it if all
+unknown cells were free, over a power of the cost of the path there. A return area is added to the
+area, for the path back to a frontier that is left behind: without it robots follow the large areas
+and leave small ones all over the map, which cost more in the end than was saved. The cost includes
+the first turn, so that a robot does not turn back for a small advantage. Robots take frontiers in
+order of value and go on from there, and frontiers that are taken reduce the areas of others near
+them (`planners.assignment.gain`). Each robot computes this for itself, for all robots that it takes
+into account. Of the frontiers that it takes, a robot goes first to one from which its tour of the
+others is short (`planners.assignment.gain_tours`), and it does not leave a goal for a small
+advantage.
 """
 
 from __future__ import annotations
@@ -20,33 +21,33 @@ import numpy as np
 from multisrt.geometry.grids.unknown_area import unknown_areas
 from multisrt.geometry.numerics import libm
 from multisrt.geometry.numerics.arrays import FloatArray
-from multisrt.planners.assignment.gain import GainChoice, LazyCosts, Values, gain
+from multisrt.planners.assignment.gain import GainChoice, LazyCosts, ValueParameters, gain
 from multisrt.planners.assignment.gain_tours import gain_on_tours
 from multisrt.robots.frontier.options import GainOptions
 from multisrt.robots.frontier.path_costs import PathCosts, lengths_among
 from multisrt.robots.frontier.robot import FrontierRobot
-from multisrt.robots.frontier.utility import apart
+from multisrt.robots.frontier.utility import euclidean_distances
 from multisrt.robots.frontier.wavefront_costs import WavefrontCosts
 from multisrt.robots.frontier.wavefront_rules import Choice, settle_on
 
 MAX_TARGETS: Final = 24
-"""Number of frontiers among which tours are compared: those of the highest values to the robot."""
+"""Maximum number of frontiers on tours: those of the highest values to the robot."""
 
 
 def choose_gain(robot: FrontierRobot, because: str) -> Choice:
-    """GAIN: the frontier of the highest value, after the robots that come before this one."""
+    """Choose a frontier by GAIN: by value and tour among those that others leave to this robot."""
     options = cast(GainOptions, robot.options)
     costs = WavefrontCosts(robot, every=True)
     if not costs.is_choosable.any():
         return (yield from settle_on(robot, costs.table(), None, "gain", because))
-    ways = PathCosts(robot, costs)
+    path_costs = PathCosts(robot, costs)
     areas = areas_beyond(robot, costs.targets)
-    chosen = _on_tours(robot, costs, ways, areas)
+    chosen = _on_tours(robot, costs, path_costs, areas)
     if chosen.choice is None:
         chosen = gain(
-            ways.whole(),
+            path_costs.all_costs(),
             areas + options.return_area_m2,
-            apart(costs.targets, costs.targets),
+            euclidean_distances(costs.targets, costs.targets),
             costs.row,
             range_m=robot.me.range_m,
             power=options.power,
@@ -58,27 +59,28 @@ def choose_gain(robot: FrontierRobot, because: str) -> Choice:
 
 
 def _on_tours(
-    robot: FrontierRobot, costs: WavefrontCosts, ways: PathCosts, areas: FloatArray
+    robot: FrontierRobot, costs: WavefrontCosts, path_costs: PathCosts, areas: FloatArray
 ) -> GainChoice:
-    """Choose by tours among the frontiers of the highest values; none if the others take them."""
+    """Choose by tours among the frontiers of the highest values; choose none if others take all."""
     options = cast(GainOptions, robot.options)
     if options.tour_weight == 0.0:
         return GainChoice(choice=None, rounds=())
-    bounds = ways.bounds()
+    bounds = path_costs.bounds()
     own = bounds[costs.row]
     reached = np.flatnonzero(np.isfinite(own))
-    rule = Values(robot.me.range_m, options.power)
-    values = (areas + options.return_area_m2) * libm.power(own + rule.nearest_m, -rule.power)
+    parameters = ValueParameters(robot.me.range_m, options.power)
+    weights = libm.power(own + parameters.offset_m, -parameters.power)
+    values = (areas + options.return_area_m2) * weights
     near = np.sort(reached[np.argsort(-values[reached], kind="stable")[:MAX_TARGETS]])
     targets = costs.targets[near]
-    euclidean = apart(targets, targets)
+    distances = euclidean_distances(targets, targets)
     chosen = gain_on_tours(
-        LazyCosts(bounds[:, near], lambda row, target: ways.way(row, int(near[target]))),
+        LazyCosts(bounds[:, near], lambda row, target: path_costs.cost(row, int(near[target]))),
         areas[near],
-        euclidean,
-        lengths_among(robot, targets, costs.costs[costs.row, near], euclidean),
+        distances,
+        lengths_among(robot, targets, costs.costs[costs.row, near], distances),
         costs.row,
-        rule=rule,
+        parameters=parameters,
         return_area_m2=options.return_area_m2,
         tour_weight=options.tour_weight,
     )
@@ -88,7 +90,7 @@ def _on_tours(
 
 
 def areas_beyond(robot: FrontierRobot, targets: FloatArray) -> FloatArray:
-    """Return the unknown area that would be seen from targets, ``(m,)`` square metres."""
+    """Return the unknown areas that would be seen from targets, ``(m,)`` square metres."""
     cell_m = robot.raster.cell_m
     cells = unknown_areas(robot.raster.cells, robot.indices_of(targets), robot.me.range_m / cell_m)
     areas: FloatArray = cells * cell_m**2

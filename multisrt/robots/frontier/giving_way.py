@@ -49,7 +49,7 @@ def ask_to_leave(robot: FrontierRobot, goal: Goal, met: Sighting) -> Steps:
     """Ask another robot repeatedly to give way, until it moves or `patience` is exhausted.
 
     Ends early when this robot is itself asked to give way. A robot that does not leave is taken
-    as an obstacle for a while; one that does not answer, as lost.
+    as an obstacle for a while; one that does not answer is presumed lost.
 
     Parameters
     ----------
@@ -66,16 +66,16 @@ def ask_to_leave(robot: FrontierRobot, goal: Goal, met: Sighting) -> Steps:
         asked_s = team.asked_s[other] = robot.time_s
         yield Send(request_for(robot, goal), other)
         yield from team.pause(team.period_s)
-        if team.requests.give_way is None and team.mates.last_heard_s(other) >= asked_s:
+        if team.requests.give_way is None and team.teammates.last_heard_s(other) >= asked_s:
             yield from team.pause(robot.options.pause_s * robot.me.rng.random())
         if team.requests.give_way is not None:
             return
         now = {sighting.robot: sighting for sighting in (yield from robot.bodies.look())}
         if other not in now or has_moved(now[other], met):
             return
-    if team.mates.last_heard_s(other) < began_s:
+    if team.teammates.last_heard_s(other) < began_s:
         robot.bodies.add(met)
-        team.mates.note_lost(other, robot.time_s)
+        team.teammates.note_lost(other, robot.time_s)
         yield Note(PresumedLost(time_s=robot.time_s, robot=robot.me.robot, other=other))
         return
     share = 0.5 + robot.me.rng.random()

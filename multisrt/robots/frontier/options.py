@@ -52,9 +52,9 @@ class FrontierOptions(PursuitOptions, frozen=True, kw_only=True, forbid_unknown_
         Time after which a robot that drives reports its position, if it has reported nothing
         else, in seconds.
     lost_after_s : float
-        A robot that has not been heard from for this long is taken as lost, in seconds. Until
+        A robot that has not been heard from for this long is presumed lost, in seconds. Until
         then it is taken into account with its last known position and goal. A robot that is met
-        and does not answer is taken as lost at once. One that is heard again takes part again.
+        and does not answer is presumed lost at once. One that is heard again takes part again.
     relay_for_s : float
         Where the radio relays no messages, robots pass on the reports of others, if these have
         been heard from for at most this long, in seconds.

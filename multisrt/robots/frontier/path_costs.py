@@ -1,4 +1,4 @@
-"""Ways of robots to frontiers, as `gain` and `routes` count them, and lengths between frontiers."""
+"""Costs of robots to frontiers for `gain` and `routes`, and path lengths between frontiers."""
 
 from __future__ import annotations
 
@@ -16,18 +16,21 @@ from multisrt.robots.frontier.robot import FrontierRobot
 from multisrt.robots.frontier.wavefront_costs import WavefrontCosts
 
 SAME_GOAL_M: Final = 1.0
-"""A frontier this close to a goal is taken for that goal: frontiers move as they are seen."""
+"""Maximum distance in metres of a frontier from a goal that it is taken for.
+
+Frontiers move as they are seen.
+"""
 
 
 class PathCosts:
-    """Ways of robots to targets: path lengths with the first turn, goals that are kept nearer.
+    """Costs of robots to targets: path lengths with the first turn, less for the present goals.
 
     Parameters
     ----------
     robot : FrontierRobot
         The robot that decides.
     costs : WavefrontCosts
-        Path lengths; its own are known.
+        Path lengths; those of the robot itself are known.
     """
 
     def __init__(self, robot: FrontierRobot, costs: WavefrontCosts) -> None:
@@ -36,19 +39,19 @@ class PathCosts:
         self._turns_m = options.turn_m_per_rad * first_turns(robot, costs.robots, costs.targets)
         self._nearer_m = options.keep_m * present_goals(robot, costs.robots, costs.targets)
 
-    def whole(self) -> FloatArray:
-        """Return the ways of all robots to all targets, ``(n, m)`` metres."""
+    def all_costs(self) -> FloatArray:
+        """Return the costs of all robots to all targets, ``(n, m)`` metres."""
         self._costs.compute_others()
         return self._of(self._costs.costs)
 
     def bounds(self) -> FloatArray:
-        """Return own ways and lower bounds of those of the others, ``(n, m)`` metres."""
+        """Return the robot's own costs and lower bounds of those of others, ``(n, m)`` metres."""
         lengths = self._costs.lower_bounds()
         lengths[self._costs.row] = self._costs.costs[self._costs.row]
         return self._of(lengths)
 
-    def way(self, row: int, target: int) -> float:
-        """Return the way of a robot to a target in metres; ``inf`` if there is no path."""
+    def cost(self, row: int, target: int) -> float:
+        """Return the cost of a robot to a target in metres; ``inf`` if there is no path."""
         found = self._costs.nearest(row, np.array([target]))
         if found is None:
             return math.inf
@@ -57,13 +60,13 @@ class PathCosts:
     def _of(
         self, lengths: FloatArray | float, pair: tuple[int, int] | EllipsisType = ...
     ) -> FloatArray:
-        """Return the ways for path lengths, of one robot to one target or of all to all."""
-        ways: FloatArray = np.maximum(0.0, lengths + self._turns_m[pair] - self._nearer_m[pair])
-        return ways
+        """Return the costs for path lengths, of one robot to one target or of all to all."""
+        costs: FloatArray = np.maximum(0.0, lengths + self._turns_m[pair] - self._nearer_m[pair])
+        return costs
 
 
 def lengths_among(
-    robot: FrontierRobot, targets: FloatArray, costs: FloatArray, euclidean: FloatArray
+    robot: FrontierRobot, targets: FloatArray, costs: FloatArray, distances: FloatArray
 ) -> FloatArray:
     """Return approximate lengths of the paths between targets that a robot can reach.
 
@@ -74,15 +77,14 @@ def lengths_among(
     targets : (m, 2) array
         The targets in metres.
     costs : (m,) array
-        The robot's costs to them; finite, in metres.
-    euclidean : (m, m) array
-        Distances between them in metres: the least lengths.
+        The robot's path lengths to them in metres; finite.
+    distances : (m, m) array
+        Euclidean distances between them in metres, which are lower bounds.
 
     Returns
     -------
     (m, m) array
-        Metres. Paths that lead far out of the box around the targets count as those by way of the
-        robot.
+        Metres. Paths that lead far out of the box around the targets count as those via the robot.
     """
     raster = robot.raster
     indices = robot.indices_of(targets)
@@ -91,13 +93,13 @@ def lengths_among(
     high = indices.max(axis=0) + margin + 1
     box = raster.passable[low[0] : high[0], low[1] : high[1]]
     found = lengths_between(np.ascontiguousarray(box), indices - low) * raster.cell_m
-    lengths: FloatArray = np.maximum(np.minimum(found, costs[:, None] + costs), euclidean)
+    lengths: FloatArray = np.maximum(np.minimum(found, costs[:, None] + costs), distances)
     return lengths
 
 
 def present_goals(robot: FrontierRobot, robots: tuple[int, ...], targets: FloatArray) -> BoolArray:
     """Return which target is the present goal of which robot, ``(n, m)``; at most one of each."""
-    reports = robot.team.mates.reports
+    reports = robot.team.teammates.reports
     own = None if robot.goal is None else robot.goal.place
     are_goals = np.zeros((len(robots), len(targets)), np.bool_)
     for row, number in enumerate(robots):
@@ -113,10 +115,10 @@ def present_goals(robot: FrontierRobot, robots: tuple[int, ...], targets: FloatA
 def first_turns(robot: FrontierRobot, robots: tuple[int, ...], targets: FloatArray) -> FloatArray:
     """Return by how much robots turn towards targets, ``(n, m)`` radians from 0 to pi.
 
-    A robot that drives backwards to save turns turns by at most a right angle. The others are taken
-    to do as this one does.
+    A robot that drives backwards to save turns turns by at most a right angle. The others are
+    assumed to do as this one does.
     """
-    reports = robot.team.mates.reports
+    reports = robot.team.teammates.reports
     x, y, heading = np.array(
         [robot.at if n == robot.me.robot else reports[n].place for n in robots]
     ).T[:, :, None]

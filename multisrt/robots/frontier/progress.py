@@ -43,7 +43,7 @@ MEETING       The protective stop has ended a motion before another body. The ro
 YIELDING      The robot makes room, as it was asked to.
 WAITING       Only bodies that may still leave bar the paths to the last frontiers.
 ATTENDING     The robot is where its errand leads, and waits for the base station's acknowledgement,
-              or for its mate.
+              or for its partner.
 BOXED_IN      Bodies that do not leave bar them, or walls beside the start; the robot is done until
               it hears something new.
 OUT_OF_TIME   No time is left to go on and come home; it is done until it hears something new.
@@ -127,7 +127,8 @@ class Event(StrEnum):
     """The robot was done, and heard something new."""
     ERRAND = "errand"
     """The robot has an errand (`multisrt.robots.frontier.errands`): to bring news home, to meet
-    or go after a mate, or to stand in a chain; or it has met the robot that takes its news."""
+    its partner, to pursue a teammate, or to stand in a chain; or it has met the robot that takes
+    its news."""
     ERRAND_OVER = "errand over"
     """An errand is over: it is done, it is not needed any more, or the robot has waited in
     vain."""

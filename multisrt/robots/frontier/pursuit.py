@@ -1,18 +1,19 @@
-"""Going after a mate that is out of touch, so that the two share what is left to explore.
+"""Pursuit of a teammate that is out of touch, so that the two share what is left to explore.
 
-A robot compares two plans of routes over the frontiers that it knows (`team_routes`). Out of touch,
-the mate goes over those alone that it knows; robots in touch go over all. If the two met, it could
-go over all of them, too: their routes would begin at the place and time of the meeting. Only if the
-routes then cost less, by the length of the longest and a tenth of the mean, is the mate pursued, to
-where it most probably is when the robot can be there (`multisrt.planners.pursuit`). The pursuit is
-over once the mate has what the robot knew, and in vain if it is not there until a while after that
-time.
+A robot compares two plans of routes over the frontiers that it knows (`team_routes`). In the first
+the teammate, which is out of touch, visits only frontiers that it knows itself; robots in touch
+visit any. In the second the two meet, so that the teammate may visit any, too, and their routes
+begin at the place and time of the meeting. The teammate is pursued only if the second plan costs
+less: the longest route plus a tenth of the mean. The robot drives to where the teammate most
+probably is when the robot can be there (`multisrt.planners.pursuit`). The pursuit is over once the
+teammate has what the robot knew, and in vain if it does not come until a while after that time.
 
 Source: M-TARE (repository `caochao39/mtare_planner`, `grid_world` and `pursuit_mdp`). Differs in:
-targets are frontiers and not cells of 6 m; the route that a mate told is its path to its goal, and
-goes on as this robot would plan it; cells of a route are as long as the robot drives in two steps,
-so that the chain is as fast as the robot in the mean; one mate is pursued at a time, and not
-sampled sets of them; a pursuit in vain is not repeated until the mate is heard again.
+targets are frontiers, not cells of 6 m; the route of a teammate is its reported path to its goal,
+and from there the route that this robot plans for it; the cells of a route are as long as the robot
+drives in two steps, so that the Markov chain is as fast as the robot on average; one teammate is
+pursued at a time, not sampled sets of them; a pursuit in vain is not repeated until the teammate is
+heard again.
 """
 
 from __future__ import annotations
@@ -38,39 +39,39 @@ from multisrt.robots.frontier.path_finder import PathFinder
 from multisrt.robots.frontier.pursuit_routes import PathLengths, RouteTable, cells_of
 from multisrt.robots.frontier.scan_map import ScanMap
 from multisrt.robots.frontier.team import Team
-from multisrt.robots.homing.their_map import TheirMap
+from multisrt.robots.homing.known_by_other import KnownByOther
 from multisrt.robots.knowledge import Counts
 from multisrt.robots.listening import counts_beyond, have_of
 
 MAX_TARGETS = 12
-"""Number of frontiers, the nearest, over which routes are planned."""
+"""Maximum number of frontiers over which routes are planned: the nearest."""
 
 MIN_GAIN_M = 1.0
-"""Routes count as shorter only by more than this, in metres: both are found by local search."""
+"""Minimum decrease of the cost of the routes in metres: both plans are found by local search."""
 
 MAX_PURSUITS = 3
-"""Number of pursuits of a mate that learned nothing by them, after which it is not pursued."""
+"""Number of pursuits without effect after which a teammate is not pursued any more."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Quarry:
-    """The mate that is pursued.
+    """A teammate that is pursued, and where.
 
     Attributes
     ----------
-    mate : int
-        Its number.
+    teammate : int
+        Number of the teammate.
     place : (x, y)
-        Where to meet it, in metres.
+        Place of the meeting in metres.
     met_s : float
-        When.
+        Time of the meeting in seconds.
     carried : tuple of (robot, nodes, closings)
-        What it is to know then.
+        What the teammate has to know after it.
     why : str
         Why it is pursued, in words.
     """
 
-    mate: int
+    teammate: int
     place: Place
     met_s: float
     carried: Counts
@@ -78,7 +79,7 @@ class Quarry:
 
 
 class Pursuit:
-    """When a robot goes after a mate, and where.
+    """When a robot has to pursue a teammate, and where.
 
     Parameters
     ----------
@@ -97,7 +98,7 @@ class Pursuit:
     frontiers : Frontiers
         Its targets.
     homing : FrontierHoming or None
-        What brings its news home: this comes first.
+        What brings its news home, which has priority.
     """
 
     def __init__(
@@ -119,19 +120,19 @@ class Pursuit:
         self._paths = paths
         self._frontiers = frontiers
         self._homing = homing
-        self._routes = PathLengths(me, map, paths)
-        self._theirs: dict[int, TheirMap] = {}
+        self._lengths = PathLengths(me, map, paths)
+        self._known: dict[int, KnownByOther] = {}
         self._quarry: Quarry | None = None
         self._next_s = -math.inf
-        # When each mate was pursued in vain, and how often with what it then
-        # knew of others.
+        # When each teammate was last pursued in vain, and how often it was pursued with the same
+        # knowledge of others.
         self._vain_s: dict[int, float] = {}
         self._tries: dict[tuple[int, Counts], int] = {}
 
     # When -----------------------------------------------------------------------------------
 
     def errand(self) -> Errand | None:
-        """Return the errand to meet a mate, if that is of use now; the present one goes on."""
+        """Return the errand to meet a teammate, the present one first; None if there is none."""
         now_s = self._course.time_s
         if self._quarry is None and now_s >= self._next_s:
             self._next_s = now_s + self._options.pursue_step_s
@@ -161,31 +162,33 @@ class Pursuit:
         quarry, self._quarry = self._quarry, None
         if quarry is None or self._knows(quarry):
             return
-        self._vain_s[quarry.mate] = self._course.time_s
+        self._vain_s[quarry.teammate] = self._course.time_s
 
     def _knows(self, quarry: Quarry) -> bool:
-        have = have_of(self._team.mates.reports[quarry.mate].have)
+        have = have_of(self._team.teammates.reports[quarry.teammate].have)
         return not counts_beyond(quarry.carried, have)
 
     def _is_over(self, quarry: Quarry) -> bool:
-        is_called = self._homing is not None and self._homing.calls(self._course)
+        is_called = self._homing is not None and self._homing.must_interrupt(self._course)
         return is_called or self._knows(quarry)
 
     def _is_absent(self, report: RobotReport) -> bool:
-        """Whether a robot is out of touch, and may be pursued."""
-        mates, number = self._team.mates, report.robot
+        """Return whether a robot is out of touch, and may be pursued."""
+        teammates, number = self._team.teammates, report.robot
         return (
             not self._team.hears(number)
-            and not mates.is_lost(number)
-            and mates.last_heard_s(number) > self._vain_s.get(number, -math.inf)
+            and not teammates.is_lost(number)
+            and teammates.last_heard_s(number) > self._vain_s.get(number, -math.inf)
             and self._tries.get(_learned(report), 0) < MAX_PURSUITS
         )
 
     # Whom -----------------------------------------------------------------------------------
 
     def _best_quarry(self) -> Quarry | None:
-        mates = self._team.mates
-        reports = [r for _, r in sorted(mates.reports.items()) if not mates.is_lost(r.robot)]
+        teammates = self._team.teammates
+        reports = [
+            r for _, r in sorted(teammates.reports.items()) if not teammates.is_lost(r.robot)
+        ]
         absent = [report for report in reports if self._is_absent(report)]
         if not absent:
             return None
@@ -194,44 +197,44 @@ class Pursuit:
         absent = [report for report in absent if not known[report.robot].all()]
         if not absent:
             return None
-        table = RouteTable(self._routes, targets, reports, known, self._course)
-        apart = table.apart()
+        table = RouteTable(self._lengths, targets, reports, known, self._course)
+        separate = table.separate_routes()
         best: tuple[tuple[int, float], Quarry] | None = None
         for report in absent:
-            found = self._meeting(report, table, apart)
+            found = self._meeting(report, table, separate)
             if found is None:
                 continue
             place, met_s, passed = found
             before_m = (met_s - self._course.time_s) * self._speed_m_s
-            together = table.together(report.robot, place, before_m, passed)
-            cost = len(together.left_out), together.cost_m
-            if self._is_gain(together, apart) and (best is None or cost < best[0]):
+            joint = table.routes_after_meeting(report.robot, place, before_m, passed)
+            cost = len(joint.left_out), joint.cost_m
+            if self._is_gain(joint, separate) and (best is None or cost < best[0]):
                 count = int((~known[report.robot]).sum())
                 best = (
                     cost,
                     Quarry(
-                        mate=report.robot,
+                        teammate=report.robot,
                         place=place,
                         met_s=met_s,
                         carried=self._map.entries.counts(),
                         why=f"robot {report.robot}, which does not know of {count} of "
                         f"{len(targets)} frontiers; the longest route becomes "
-                        f"{together.longest_m:.1f} m instead of {apart.longest_m:.1f} m",
+                        f"{joint.longest_m:.1f} m instead of {separate.longest_m:.1f} m",
                     ),
                 )
         if best is None:
             return None
         quarry = best[1]
-        tried = _learned(mates.reports[quarry.mate])
+        tried = _learned(teammates.reports[quarry.teammate])
         self._tries[tried] = self._tries.get(tried, 0) + 1
         return quarry
 
-    def _is_gain(self, together: TeamRoutes, apart: TeamRoutes) -> bool:
-        """Whether the routes after a meeting are better: fewer targets left out, or shorter."""
-        if len(together.left_out) != len(apart.left_out):
-            return len(together.left_out) < len(apart.left_out)
-        gain_m = max(MIN_GAIN_M, self._options.pursue_gain * apart.cost_m)
-        return together.cost_m < apart.cost_m - gain_m
+    def _is_gain(self, joint: TeamRoutes, separate: TeamRoutes) -> bool:
+        """Return whether the routes after a meeting leave out fewer targets, or cost less."""
+        if len(joint.left_out) != len(separate.left_out):
+            return len(joint.left_out) < len(separate.left_out)
+        gain_m = max(MIN_GAIN_M, self._options.pursue_gain * separate.cost_m)
+        return joint.cost_m < separate.cost_m - gain_m
 
     def _targets(self) -> FloatArray:
         """Return the nearest frontiers that the robot can reach, ``(m, 2)`` metres."""
@@ -246,23 +249,23 @@ class Pursuit:
         return reached
 
     def _known_to(self, report: RobotReport, targets: FloatArray) -> BoolArray:
-        """Return which targets lie in what another robot knows; all for one in touch."""
+        """Return which targets another robot knows; all if it is in touch."""
         if self._team.hears(report.robot):
             return np.ones(len(targets), np.bool_)
-        theirs = self._theirs.get(report.robot)
-        if theirs is None:
-            theirs = self._theirs[report.robot] = TheirMap(self._map.entries, self._map.raster)
-        theirs.take(have_of(report.have))
-        return np.array([theirs.raster.is_known(x, y) for x, y in targets.tolist()], np.bool_)
+        known = self._known.get(report.robot)
+        if known is None:
+            known = self._known[report.robot] = KnownByOther(self._map.entries, self._map.raster)
+        known.take(have_of(report.have))
+        return np.array([known.raster.is_known(x, y) for x, y in targets.tolist()], np.bool_)
 
     # Where ----------------------------------------------------------------------------------
 
     def _meeting(
-        self, report: RobotReport, table: RouteTable, apart: TeamRoutes
+        self, report: RobotReport, table: RouteTable, separate: TeamRoutes
     ) -> tuple[Place, float, tuple[int, ...]] | None:
-        """Return where and when to meet a mate, and the targets that it passes before."""
+        """Return where and when to meet a teammate, and the targets that it passes before."""
         options, now_s = self._options, self._course.time_s
-        route, passes_m = table.route(report, apart.routes[table.row_of(report.robot)])
+        route, passes_m = table.route(report, separate.routes[table.row_of(report.robot)])
         step_m = self._speed_m_s * options.pursue_step_s
         cells, at_m = cells_of(route, 2.0 * step_m)
         arrivals = self._arrivals(cells, report.time_s)
@@ -278,7 +281,7 @@ class Pursuit:
         return (x, y), met_s, passed
 
     def _arrivals(self, cells: FloatArray, since_s: float) -> FloatArray:
-        """Return the steps, from a time on, in which the robot can be at places."""
+        """Return the numbers of steps since a time after which the robot can be at places."""
         raster = self._map.raster
         near = [raster.passable_near(x, y, NEAR_BY_CELLS) for x, y in cells.tolist()]
         arrivals = np.full(len(cells), np.inf)
@@ -288,11 +291,11 @@ class Pursuit:
             if field is None or not usable:
                 return arrivals
             centres = np.array([raster.centre_of(*cell) for cell in near if cell is not None])
-            way_m = field.distance(indices_of(raster, centres))
+            costs_m = field.distance(indices_of(raster, centres))
             if self._homing is not None:
-                way_m = self._homing.only_fitting(self._course, centres, way_m)
+                costs_m = self._homing.only_fitting(self._course, centres, costs_m)
         since_now_s = self._course.time_s - since_s
-        arrivals[usable] = (since_now_s + way_m / self._speed_m_s) / self._options.pursue_step_s
+        arrivals[usable] = (since_now_s + costs_m / self._speed_m_s) / self._options.pursue_step_s
         return arrivals
 
     @property
@@ -301,5 +304,5 @@ class Pursuit:
 
 
 def _learned(report: RobotReport) -> tuple[int, Counts]:
-    """Return a robot and what it knows of others; its own nodes are no use of a pursuit."""
+    """Return a robot and its counts of nodes of others, the only ones that a pursuit tells it."""
     return report.robot, tuple(entry for entry in report.have if entry[0] != report.robot)

@@ -1,4 +1,4 @@
-"""Parameters of robots that go after a mate that is out of touch."""
+"""Parameters of robots that pursue teammates that are out of touch."""
 
 from __future__ import annotations
 
@@ -16,27 +16,29 @@ if TYPE_CHECKING:
 
 
 class PursuitOptions(HomingOptions, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Whether and how robots go after mates: those of `HomingOptions`, and these.
+    """Parameters of robots that may pursue teammates: those of `HomingOptions`, and these.
 
     The defaults are those of M-TARE; see `multisrt.planners.pursuit`.
 
     Attributes
     ----------
     pursue : bool
-        Whether a robot goes after a mate that is out of touch, along the route that it told, when
-        that shortens the longest route of the team. Needs a team whose radio is limited.
+        Whether a robot pursues a teammate that is out of touch, along the route that the teammate
+        reported, when that reduces the cost of the team's routes: the longest plus a tenth of the
+        mean. Needs a team whose radio is limited.
     pursue_gain : float
-        Share by which the longest route has to get shorter, from 0 (M-TARE: any) to below 1.
+        Share by which the cost of the team's routes must fall, from 0 to below 1; at least 1 m in
+        any case.
     pursue_stay : float
-        Probability that the mate stays at its place on the route in a step.
+        Probability that the teammate stays at its place on its route in a step.
     pursue_leave : float
-        Probability that the mate leaves the route in a step.
+        Probability that the teammate leaves its route in a step.
     pursue_step_s : float
-        Length of a step in seconds; also the minimum time between two looks for a mate to pursue.
+        Length of a step in seconds; also the minimum time between two decisions whether to pursue.
     pursue_steps : int
-        Number of steps after a mate's last report within which it may be met.
+        Number of steps after the teammate's last report within which it may be met.
     pursue_wait_s : float
-        For how long, after the time of the meeting, a robot waits for the mate, in seconds.
+        Time in seconds for which a robot waits for the teammate after the time of the meeting.
     """
 
     pursue: bool = False
@@ -65,16 +67,16 @@ class PursuitOptions(HomingOptions, frozen=True, kw_only=True, forbid_unknown_fi
 def require_pursuit(
     spec: RunSpec, kind: type[msgspec.Struct], options: Mapping[str, object]
 ) -> None:
-    """Check that a run has what robots need that are to pursue their mates.
+    """Check that a run has what the option `pursue` needs.
 
     Parameters
     ----------
     spec : RunSpec
         The run.
     kind : type
-        The structure of its strategy's options; those that are no `PursuitOptions` are passed over.
+        The structure of its strategy's options; those that are no `PursuitOptions` are ignored.
     options : mapping of str to object
-        Their values, as they are given.
+        Their values, as given.
 
     Raises
     ------
@@ -88,7 +90,7 @@ def require_pursuit(
     >>> require_pursuit(spec, PursuitOptions, {"pursue": True})
     Traceback (most recent call last):
     ...
-    multisrt.geometry.errors.InvalidInputError: option pursue of minpos needs mates to go after, \
+    multisrt.geometry.errors.InvalidInputError: option pursue of minpos needs teammates to pursue, \
 and there is one robot: give more, or leave it out
     """
     if not issubclass(kind, PursuitOptions):
@@ -98,7 +100,7 @@ and there is one robot: give more, or leave it out
         return
     if len(spec.robots) == 1:
         raise InvalidInputError(
-            f"option pursue of {spec.strategy} needs mates to go after, and there is one robot: "
+            f"option pursue of {spec.strategy} needs teammates to pursue, and there is one robot: "
             "give more, or leave it out"
         )
     if spec.radio.reaches_everywhere:

@@ -1,4 +1,4 @@
-"""Routes over frontiers, of this robot and of its mates, as one robot plans them for a pursuit."""
+"""Routes of a robot and its teammates over frontiers, as one robot plans them for a pursuit."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from multisrt.robots.frontier.scan_map import ScanMap
 
 
 class PathLengths:
-    """Lengths of ways and paths over what a robot knows, without regard to bodies.
+    """Paths and their lengths over what a robot knows, without regard to bodies.
 
     Parameters
     ----------
@@ -65,39 +65,39 @@ class PathLengths:
 
 
 class RouteTable:
-    """The routes of all robots over the targets, for one look at whether to pursue.
+    """Routes of all robots over the targets, for one decision whether to pursue.
 
     Parameters
     ----------
-    routes : PathLengths
-        The lengths of ways.
+    lengths : PathLengths
+        Lengths of paths.
     targets : (m, 2) array
         The targets in metres.
     reports : sequence of RobotReport
-        What the others told last.
+        The latest reports of the others.
     known : mapping of int to (m,) array of bool
-        For each of them, by number and in the same order, which targets it knows.
+        For each of the others, by number and in the same order, which targets it knows.
     course : Course
         Where this robot is.
     """
 
     def __init__(
         self,
-        routes: PathLengths,
+        lengths: PathLengths,
         targets: FloatArray,
         reports: Sequence[RobotReport],
         known: Mapping[int, BoolArray],
         course: Course,
     ) -> None:
-        self._routes = routes
+        self._lengths = lengths
         self._targets = targets
-        self._robots = [routes.number, *(report.robot for report in reports)]
-        # A robot ends its way to its goal before it takes another.
+        self._robots = [lengths.number, *(report.robot for report in reports)]
+        # A robot goes to its goal before it chooses another.
         ends = [r.place[:2] if r.goal is None else r.goal for r in reports]
-        self._starts = routes.costs([course.at[:2], *ends], targets)
-        between = routes.costs([(x, y) for x, y in targets.tolist()], targets)
-        # Marching the same path from either end gives lengths that differ a little.
-        self._between = np.minimum(between, between.T)
+        self._starts = lengths.costs([course.at[:2], *ends], targets)
+        found = lengths.costs([(x, y) for x, y in targets.tolist()], targets)
+        # The march along a path gives slightly different lengths from either end.
+        self._path_lengths = np.minimum(found, found.T)
         self._before = np.array([0.0, *(report.remaining_m for report in reports)])
         self._known = np.array([np.ones(len(targets), np.bool_), *known.values()])
 
@@ -105,38 +105,57 @@ class RouteTable:
         """Return the row of a robot."""
         return self._robots.index(robot)
 
-    def apart(self) -> TeamRoutes:
-        """Return the routes if no mate is pursued."""
-        return team_routes(
-            np.where(self._known, self._starts, np.inf), self._between, initial_lengths=self._before
-        )
+    def separate_routes(self) -> TeamRoutes:
+        """Return the routes if no teammate is pursued."""
+        costs = np.where(self._known, self._starts, np.inf)
+        return team_routes(costs, self._path_lengths, initial_lengths=self._before)
 
-    def together(
-        self, mate: int, place: Place, before_m: float, passed: tuple[int, ...]
+    def routes_after_meeting(
+        self, teammate: int, place: Place, before_m: float, passed: tuple[int, ...]
     ) -> TeamRoutes:
-        """Return the routes if a mate is met, without the targets that it has passed then."""
+        """Return the routes if a teammate is met.
+
+        Parameters
+        ----------
+        teammate : int
+            Number of the teammate.
+        place : (x, y)
+            Place of the meeting in metres.
+        before_m : float
+            Length that both robots have driven by then, in metres.
+        passed : tuple of int
+            Targets that the teammate has passed by then, which are left out.
+        """
         starts, before, known = self._starts.copy(), self._before.copy(), self._known.copy()
-        rows = [0, self.row_of(mate)]
-        starts[rows] = self._routes.costs([place], self._targets)[0]
+        rows = [0, self.row_of(teammate)]
+        starts[rows] = self._lengths.costs([place], self._targets)[0]
         before[rows] = before_m
         known[rows] = True
         left = np.setdiff1d(np.arange(len(self._targets)), passed)
         return team_routes(
             np.where(known, starts, np.inf)[:, left],
-            self._between[np.ix_(left, left)],
+            self._path_lengths[np.ix_(left, left)],
             initial_lengths=before,
         )
 
     def route(
         self, report: RobotReport, planned: tuple[int, ...]
     ) -> tuple[FloatArray, list[tuple[int, float]]]:
-        """Return a mate's route from where it was, and at which length it passes targets."""
+        """Return a teammate's route from where it was, and the targets with the lengths up to them.
+
+        Parameters
+        ----------
+        report : RobotReport
+            Its latest report.
+        planned : tuple of int
+            Targets that it visits after its goal, in order.
+        """
         path = np.array(report.path or [report.place[:2]]).reshape(-1, 2)
         route = [report.place[:2], *map(tuple, ahead(path, Configuration(*report.place)).tolist())]
         passes = []
         for target in planned:
             x, y = self._targets[target].tolist()
-            leg = self._routes.path_between(route[-1], (x, y))
+            leg = self._lengths.path_between(route[-1], (x, y))
             if leg is None:
                 break
             route += [(a, b) for a, b in leg.tolist()]
@@ -145,7 +164,7 @@ class RouteTable:
 
 
 def cells_of(route: FloatArray, cell_m: float) -> tuple[FloatArray, FloatArray]:
-    """Return the places along a route, one a cell and its end, and how far along each is.
+    """Return places along a route, one for each cell and the end, and their lengths along it.
 
     Parameters
     ----------
@@ -159,7 +178,7 @@ def cells_of(route: FloatArray, cell_m: float) -> tuple[FloatArray, FloatArray]:
     cells : (k, 2) array
         The places in metres.
     at_m : (k,) array
-        How far along the route each is, in metres.
+        Length along the route up to each, in metres.
 
     Examples
     --------

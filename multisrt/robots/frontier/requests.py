@@ -18,7 +18,7 @@ class Requests:
     stop : bool
         Whether a stop signal came for the present goal.
     meet : bool
-        Whether this robot's mate is here to take its news; see `multisrt.robots.homing.pairs`.
+        Whether this robot's partner is here to take its news; see `multisrt.robots.homing.pairs`.
     link : bool
         Whether the front of the chain called this robot, let it go, or has nothing to do any more.
     assignment : AssignmentMessage or None

@@ -80,7 +80,7 @@ class FrontierRobot:
     homing : FrontierHoming or None
         What brings its news home, if anything does.
     pursuit : Pursuit or None
-        What takes it to mates that are out of touch, if anything does.
+        When it pursues teammates that are out of touch, if it may.
     car : CarDriver or None
         Plans its motions, if it is a car.
     pulled_out_from : list of (x, y)
@@ -266,8 +266,8 @@ class FrontierRobot:
         return near and inside(self.map.boundary, goal.x, goal.y)
 
     def is_called_home(self) -> bool:
-        """Whether the robot is to end its drive, and bring news home or meet its mate."""
-        return self.homing is not None and self.homing.calls(self.course)
+        """Return whether the robot must end its drive to bring news home or to meet its partner."""
+        return self.homing is not None and self.homing.must_interrupt(self.course)
 
     def driven_body(self) -> PlanningBody:
         """Return the body for which legs are planned.

@@ -1,11 +1,11 @@
-"""Routes: every robot plans the routes of the whole team, and goes to the first stop of its own.
+"""ROUTES: every robot plans the routes of the whole team, and goes to the first stop of its own.
 
-A strategy of this project. All frontiers are divided among the robots and put in order so that the
-longest route is short (`planners.assignment.team_routes`), each time a goal is chosen. Every robot
-starts the search from the goals that the robots have told one another, so robots with the same
-knowledge plan the same routes; a goal counts as nearer to the robot that has it, so that plans do
-not flip. What only the planning robot knows of its own way does make a difference: bodies that bar
-it, and frontiers for which it has no time.
+A strategy of this project. Each time a goal is chosen, the frontiers are divided among the robots
+and ordered to minimise the longest route (`planners.assignment.team_routes`). Every robot starts
+the search from the goals that the robots have told one another, so robots with the same knowledge
+plan the same routes; a goal costs less for the robot that has it, so that plans do not alternate.
+Plans differ by what only the planning robot knows: bodies that bar its paths, and frontiers for
+which it has no time.
 """
 
 from __future__ import annotations
@@ -22,30 +22,33 @@ from multisrt.robots.frontier.gain import areas_beyond
 from multisrt.robots.frontier.options import RoutesOptions
 from multisrt.robots.frontier.path_costs import PathCosts, lengths_among, present_goals
 from multisrt.robots.frontier.robot import FrontierRobot
-from multisrt.robots.frontier.utility import apart
+from multisrt.robots.frontier.utility import euclidean_distances
 from multisrt.robots.frontier.wavefront_costs import WavefrontCosts
 from multisrt.robots.frontier.wavefront_rules import Choice, settle_on
 
 MAX_TARGETS: Final = 24
-"""Number of frontiers on the routes: those nearest to any robot."""
+"""Maximum number of frontiers on the routes: those nearest to any robot."""
 
 
 def choose_routes(robot: FrontierRobot, because: str) -> Choice:
-    """ROUTES: the first stop of the robot's own route; without one, its nearest frontier."""
+    """Choose the first stop of the robot's own route, or its nearest frontier if that is empty."""
     options = cast(RoutesOptions, robot.options)
     costs = WavefrontCosts(robot, every=True)
     if not costs.is_choosable.any():
         return (yield from settle_on(robot, costs.table(), None, "routes", because))
-    ways = PathCosts(robot, costs).whole()
+    path_costs = PathCosts(robot, costs).all_costs()
     near = _nearest(costs)
+    path_costs = path_costs[:, near]
     targets = costs.targets[near]
     goals = present_goals(robot, costs.robots, costs.targets)[:, near]
     areas = areas_beyond(robot, targets)
     service = options.search_m_per_m2 * areas
-    lengths = lengths_among(robot, targets, costs.costs[costs.row, near], apart(targets, targets))
+    path_lengths = lengths_among(
+        robot, targets, costs.costs[costs.row, near], euclidean_distances(targets, targets)
+    )
     routes = team_routes(
-        ways[:, near],
-        lengths,
+        path_costs,
+        path_lengths,
         goals=[int(np.argmax(row)) if row.any() else None for row in goals],
         service_lengths=service,
     ).routes
@@ -53,25 +56,25 @@ def choose_routes(robot: FrontierRobot, because: str) -> Choice:
     choice = int(near[own[0]]) if own else int(np.argmin(costs.costs[costs.row]))
     rounds = tuple(
         (number, int(near[stop]), float(areas[stop]), at_m)
-        for number, way, route in zip(costs.robots, ways[:, near], routes, strict=True)
-        for stop, at_m in _along(route, way, lengths, service)
+        for number, own_costs, route in zip(costs.robots, path_costs, routes, strict=True)
+        for stop, at_m in _along(route, own_costs, path_lengths, service)
     )
     return (yield from settle_on(robot, costs.table(), choice, "routes", because, rounds=rounds))
 
 
 def _along(
-    route: tuple[int, ...], way: FloatArray, lengths: FloatArray, service: FloatArray
+    route: tuple[int, ...], costs: FloatArray, path_lengths: FloatArray, service: FloatArray
 ) -> Iterator[tuple[int, float]]:
     """Yield the stops of a route, and the length up to each in metres."""
     at_m = 0.0
     for before, stop in pairwise((None, *route)):
         assert stop is not None
-        at_m += way[stop] if before is None else service[before] + lengths[before, stop]
+        at_m += costs[stop] if before is None else service[before] + path_lengths[before, stop]
         yield stop, float(at_m)
 
 
 def _nearest(costs: WavefrontCosts) -> IntArray:
-    """Return the frontiers nearest to any robot of those that the deciding one can reach."""
+    """Return the frontiers nearest to any robot, of those that the deciding robot can reach."""
     reached = np.flatnonzero(np.isfinite(costs.costs[costs.row]))
     nearest = costs.costs[:, reached].min(axis=0)
     found: IntArray = np.sort(reached[np.argsort(nearest, kind="stable")[:MAX_TARGETS]])

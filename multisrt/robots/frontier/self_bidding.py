@@ -8,7 +8,7 @@ Self-Biddings under Constraints on Communication Range (SBX-R), section III. Dif
   the robot then drives the path of EEDT, and rho is measured along that path.
 - Robots with nothing to do, or all of whose paths others block, do not take part: they have no row
   in the table of bids, and no goal or position of theirs holds the bridge. Nor do robots that are
-  lost: that were met and did not answer, or were not heard from for `lost_after_s`. In the paper
+  presumed lost: those met that did not answer, or not heard from for `lost_after_s`. In the paper
   only a robot that is broken is left out, and nothing is said about how others know. Until then a
   robot out of range takes part with its last known goal and position. Nobody waits for it: phi
   grows until a bid is finite.

@@ -36,7 +36,7 @@ from multisrt.robots.frontier.options import FrontierOptions
 from multisrt.robots.frontier.requests import Requests
 from multisrt.robots.frontier.scan_map import ScanMap
 from multisrt.robots.frontier.teammates import Teammates
-from multisrt.robots.homing.pairs import AppointmentMessage, Pair, ReadyMessage, Role
+from multisrt.robots.homing.pairs import Pair, ReadyMessage, RendezvousMessage, Role
 from multisrt.robots.knowledge import EntriesMessage, Entry, Node, NodeId, WantMessage
 from multisrt.robots.listening import Listener, counts_beyond, have_of
 from multisrt.robots.messages import Message
@@ -111,13 +111,13 @@ class Team(Listener):
     map : ScanMap
         What it knows; extended by what others send.
     bodies : Bodies
-        The bodies in its way; those that are heard from are no longer lost.
+        The bodies in its way; those that are heard from are no longer presumed lost.
     frontiers : Frontiers
         Its targets; places that others tried without result are given up.
 
     Attributes
     ----------
-    mates : Teammates
+    teammates : Teammates
         The reports of the others.
     requests : Requests
         What the others want from this robot.
@@ -155,7 +155,7 @@ class Team(Listener):
         frontiers: Frontiers,
     ) -> None:
         super().__init__(course, me, map.entries, options.ask_period_s)
-        self.mates = Teammates(me.robot, options.lost_after_s, options.relay_for_s)
+        self.teammates = Teammates(me.robot, options.lost_after_s, options.relay_for_s)
         self.requests = Requests()
         self.cells = SharedCells()
         self.phase: Phase = "choosing"
@@ -186,14 +186,14 @@ class Team(Listener):
 
     def hears(self, robot: int) -> bool:
         """Whether another robot was heard lately."""
-        return self._is_recent(self.mates.last_heard_s(robot))
+        return self._is_recent(self.teammates.last_heard_s(robot))
 
     def _is_recent(self, heard_s: float) -> bool:
         return self._course.time_s <= heard_s + TOUCH_PERIODS * self._report_period_s
 
     def present(self) -> list[RobotReport]:
         """Return the reports of the robots to take into account; see `Teammates.present`."""
-        return self.mates.present(self._course.time_s)
+        return self.teammates.present(self._course.time_s)
 
     def own_report(self) -> RobotReport:
         """Return what this robot says of itself."""
@@ -282,10 +282,10 @@ class Team(Listener):
         radio = self._me.radio
         if radio.multi_hop or radio.reaches_all:
             return ()
-        return tuple(self.mates.worth_relaying(self._course.time_s))
+        return tuple(self.teammates.worth_relaying(self._course.time_s))
 
     def _take_message(self, message: Message) -> Steps:
-        self.mates.heard_s[message.sender] = self._course.time_s
+        self.teammates.heard_s[message.sender] = self._course.time_s
         self._bodies.note_heard(message.sender)
         match message:
             case ReportMessage():
@@ -305,9 +305,9 @@ class Team(Listener):
             case ReadyMessage():
                 if self.pair is not None and self.pair.role is Role.EXPLORER:
                     self.requests.meet = True
-            case AppointmentMessage():
+            case RendezvousMessage():
                 if self.pair is not None:
-                    yield from self._take_appointment(self.pair, message)
+                    yield from self._take_rendezvous(self.pair, message)
             case InaccessibleMessage():
                 self._take_inaccessible(message)
             case SwapMessage():
@@ -317,7 +317,7 @@ class Team(Listener):
     def _take_reports(self, message: ReportMessage) -> Steps:
         for report in message.reports:
             self._note_chain(report)
-            self.mates.take(report)
+            self.teammates.take(report)
         if message.entries:
             yield from self.learn(message.entries)
         if message.wants_goal and self.answer is not None:
@@ -331,7 +331,7 @@ class Team(Listener):
 
     def _note_chain(self, report: RobotReport) -> None:
         """Stop for the front of a chain that calls this robot elsewhere, lets it go, or ends."""
-        known = self.mates.reports.get(report.robot)
+        known = self.teammates.reports.get(report.robot)
         # Others pass on what this robot said itself, too.
         is_old = known is not None and report.said < known.said
         if is_old or report.robot == self.number:
@@ -346,7 +346,7 @@ class Team(Listener):
             # All had nothing to do, and the first has a goal again: so may this one after it.
             self.passes_front = False
 
-    def _take_appointment(self, pair: Pair, message: AppointmentMessage) -> Steps:
+    def _take_rendezvous(self, pair: Pair, message: RendezvousMessage) -> Steps:
         if message.accepts:
             pair.take_acceptance(message)
             return
@@ -356,7 +356,7 @@ class Team(Listener):
             yield from self._ask_for_missing(message.sender, message.have)
             return
         pair.accept(message)
-        answer = AppointmentMessage(
+        answer = RendezvousMessage(
             sender=self.number,
             appointment=message.appointment,
             have=self._entries.counts(),
@@ -367,15 +367,15 @@ class Team(Listener):
     def _tell_ready(self, report: RobotReport) -> Steps:
         """Tell the explorer of the pair that its relay is here, for its news or as it is time."""
         pair, now_s = self.pair, self._course.time_s
-        if pair is None or report.robot != pair.mate or not pair.is_paired:
+        if pair is None or report.robot != pair.partner or not pair.is_paired:
             return
         # Before the time, it stops its explorer for news only that do not come home as it is.
         radio = self._me.radio
         is_linked = (radio.multi_hop or radio.reaches_all) and self.is_in_touch
         has_news = not is_linked and counts_beyond(report.have, self.base_has)
-        is_due = now_s >= pair.appointment.due_s
-        if (has_news or is_due) and pair.is_ready(now_s, self.period_s):
-            ready = ReadyMessage(sender=self.number, number=pair.appointment.number)
+        is_due = now_s >= pair.rendezvous.due_s
+        if (has_news or is_due) and pair.take_ready_turn(now_s, self.period_s):
+            ready = ReadyMessage(sender=self.number, number=pair.rendezvous.number)
             yield Send(ready, report.robot)
 
     def _take_stop(self, message: StopMessage) -> None:

@@ -15,9 +15,9 @@ class Teammates:
     number : int
         Number of the robot that keeps the reports.
     lost_after_s : float
-        A robot not heard from for this long is taken as lost.
+        A robot not heard from for this long is presumed lost, in seconds.
     relay_for_s : float
-        Reports of robots heard from in the last so many seconds are worth passing on.
+        Reports of robots heard from within this time, in seconds, are passed on.
 
     Attributes
     ----------
@@ -39,8 +39,8 @@ class Teammates:
     def present(self, now_s: float) -> list[RobotReport]:
         """Return the reports of the robots to take into account, by number.
 
-        Robots that have nothing to do are left out, and robots that are lost: those not heard from
-        for `lost_after_s`, and those noted as lost and not heard from since.
+        Robots that have nothing to do are left out, and robots that are presumed lost: those not
+        heard from for `lost_after_s`, and those noted as lost and not heard from since.
         """
         return self._heard_within(self._lost_after_s, now_s)
 
@@ -69,11 +69,11 @@ class Teammates:
         return self.heard_s.get(robot, -math.inf)
 
     def note_lost(self, robot: int, now_s: float) -> None:
-        """Record that a robot was met that neither leaves nor answers."""
+        """Presume a robot lost until it is heard from."""
         self._lost_since_s[robot] = now_s
 
     def is_lost(self, robot: int) -> bool:
-        """Whether a robot has not been heard from since it was noted as lost."""
+        """Return whether a robot was noted as lost, and has not been heard from since."""
         since_s = self._lost_since_s.get(robot)
         return since_s is not None and self.last_heard_s(robot) <= since_s
 
@@ -82,6 +82,6 @@ class Teammates:
         self._deaf_since_s[robot] = now_s
 
     def is_deaf(self, robot: int) -> bool:
-        """Whether a robot has not been heard from since it did not answer."""
+        """Return whether a robot has not been heard from since it did not answer."""
         since_s = self._deaf_since_s.get(robot)
         return since_s is not None and self.last_heard_s(robot) <= since_s

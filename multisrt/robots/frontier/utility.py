@@ -39,14 +39,17 @@ def choose_utility(robot: FrontierRobot, because: str) -> Choice:
     robot.set_goal(None)
     while True:
         leader = min(
-            [robot.me.robot, *(r.robot for r in team.present() if not team.mates.is_deaf(r.robot))]
+            [
+                robot.me.robot,
+                *(r.robot for r in team.present() if not team.teammates.is_deaf(r.robot)),
+            ]
         )
         if leader == robot.me.robot:
             return (yield from lead(robot, because))
         assignment = yield from ask(robot, leader)
         if assignment is not None:
             return (yield from follow_assignment(robot, assignment, because))
-        team.mates.note_deaf(leader, robot.time_s)
+        team.teammates.note_deaf(leader, robot.time_s)
 
 
 def ask(robot: FrontierRobot, leader: int) -> Generator[Action, Outcome, AssignmentMessage | None]:
@@ -111,7 +114,7 @@ def _costs_of(
     robot: FrontierRobot, others: list[int], targets: FloatArray
 ) -> dict[int, FloatArray]:
     """Return the costs of other robots to targets on this robot's map, ``(m,)`` metres each."""
-    reports, indices = robot.team.mates.reports, robot.indices_of(targets)
+    reports, indices = robot.team.teammates.reports, robot.indices_of(targets)
     costs = {}
     for number in others:
         field = robot.field(*reports[number].place[:2])
@@ -141,11 +144,12 @@ def assign(
     options, robots = cast(UtilityOptions, robot.options), sorted(costs)
     goals = _kept_goals(robot, set(robots))
     overlap_m = options.overlap_ranges * robot.me.range_m
-    lost = overlap(apart(goals, targets), in_view(robot, goals, targets), overlap_m)
+    distances = euclidean_distances(goals, targets)
+    lost = overlap(distances, in_view(robot, goals, targets), overlap_m)
     alone = len(robots) == 1
     given = utility(
         np.array([costs[number] for number in robots]),
-        apart(targets, targets),
+        euclidean_distances(targets, targets),
         np.eye(len(targets), dtype=np.bool_) if alone else in_view(robot, targets, targets),
         overlap_m,
         options.beta,
@@ -203,10 +207,10 @@ def _assigned_target(costs: WavefrontCosts, assignment: AssignmentMessage) -> in
     return nearest if is_near and math.isfinite(costs.own_cost(nearest)) else None
 
 
-def apart(places: FloatArray, targets: FloatArray) -> FloatArray:
+def euclidean_distances(places: FloatArray, targets: FloatArray) -> FloatArray:
     """Return the Euclidean distances from places to targets, ``(k, m)`` metres."""
-    gaps: FloatArray = np.hypot(*(places[:, None] - targets[None]).transpose(2, 0, 1))
-    return gaps
+    distances: FloatArray = np.hypot(*(places[:, None] - targets[None]).transpose(2, 0, 1))
+    return distances
 
 
 def in_view(robot: FrontierRobot, places: FloatArray, targets: FloatArray) -> BoolArray:

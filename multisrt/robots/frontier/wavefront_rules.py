@@ -4,7 +4,7 @@ The rules themselves are in `planners.assignment`. Here they are applied to the 
 the decision is recorded with what it was based on.
 
 Source: the papers named there. Differs in: where they count all robots, `greedy` and `minpos` leave
-out those with nothing to do and those that are lost (`Teammates.present`).
+out those with nothing to do and those that are presumed lost (`Teammates.present`).
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Places from which a robot is sure to be heard by the base station."""
+"""Places from which the base station is certain to hear a robot."""
 
 from __future__ import annotations
 
@@ -13,16 +13,19 @@ from multisrt.robots.robot_self import RobotSelf
 
 Place = tuple[float, float]
 
-TOLERANCE_M = 0.05
-"""By so much the distance is to be less than the range: robots stop a little off their goals."""
+RANGE_MARGIN_M = 0.05
+"""Margin in metres subtracted from the radio range.
+
+Robots stop slightly off their goals.
+"""
 
 
 class ContactPlaces:
-    """The nodes from which the base station hears a robot, as far as the robot can know.
+    """The nodes from which the base station is certain to hear a robot.
 
     A node counts if the base station is in radio range of it; and, where walls break or weaken
-    links, if it lies in the local safe region of the node, so that nothing is in between. There
-    may be more such places; these are sure.
+    links, if it lies in the local safe region of the node, so that nothing is in between. There may
+    be other places from which it hears the robot.
 
     Parameters
     ----------
@@ -34,9 +37,9 @@ class ContactPlaces:
     base : (x, y)
         Where the base station is, in metres.
     places : list of (x, y)
-        The places, in the order in which the nodes became known.
+        Places of the nodes in metres, in the order in which the nodes became known.
     nodes : dict of NodeId
-        The nodes there, in the same order.
+        The nodes, in the same order.
 
     Examples
     --------
@@ -56,7 +59,7 @@ class ContactPlaces:
     ...     radio=RadioSelf(range_m=3.0),
     ... )
     >>> contact = ContactPlaces(me)
-    >>> contact.hears(0.0, 2.9), contact.hears(2.5, 2.5)
+    >>> contact.certainly_in_range(0.0, 2.9), contact.certainly_in_range(2.5, 2.5)
     (True, False)
     """
 
@@ -65,38 +68,44 @@ class ContactPlaces:
         self.base: Place = me.base
         self.places: list[Place] = []
         self.nodes: dict[NodeId, None] = {}
-        self._range_m = me.radio.range_m - TOLERANCE_M
-        self._sees_through = not me.radio.walls_matter
+        self._range_m = me.radio.range_m - RANGE_MARGIN_M
+        self._walls_matter = me.radio.walls_matter
         self._looked_at = 0
 
     def update(self, entries: Entries) -> bool:
-        """Look at the nodes that are new; return whether there are new places."""
+        """Take the new nodes into account; return whether there are new places."""
         nodes = entries.nodes
         if len(nodes) == self._looked_at:
             return False
         before = len(self.places)
         for node in list(nodes.values())[self._looked_at :]:
             x, y, _ = node.configuration
-            if self.is_sure(node):
+            if self.is_certain(node):
                 self.places.append((x, y))
                 self.nodes[node.id] = None
         self._looked_at = len(nodes)
         return len(self.places) > before
 
-    def is_sure(self, node: Node) -> bool:
-        """Whether the base station surely hears a robot at a node."""
+    def is_certain(self, node: Node) -> bool:
+        """Return whether the base station is certain to hear a robot at a node."""
         x, y, _ = node.configuration
         if math.dist((x, y), self.base) > self._range_m:
             return False
-        return self._sees_through or inside(node.region.boundary, *self.base)
+        return not self._walls_matter or inside(node.region.boundary, *self.base)
 
-    def hears(self, x: float, y: float) -> bool:
-        """Whether the base station hears a robot at a place; see `hears_at`."""
-        return bool(self.hears_at(np.array([[x, y]]))[0])
+    def certainly_in_range(self, x: float, y: float) -> bool:
+        """Return whether distance alone makes contact certain at a place.
 
-    def hears_at(self, places: FloatArray) -> BoolArray:
-        """Return at which places, ``(m, 2)``, it hears a robot; False where walls matter."""
-        if not self._sees_through:
+        Always False where walls affect the radio.
+        """
+        return bool(self.certainly_in_range_at(np.array([[x, y]]))[0])
+
+    def certainly_in_range_at(self, places: FloatArray) -> BoolArray:
+        """Return at which places, ``(m, 2)``, distance alone makes contact certain.
+
+        Always False where walls affect the radio.
+        """
+        if self._walls_matter:
             return np.zeros(len(places), np.bool_)
         near: BoolArray = np.hypot(*(places - self.base).T) <= self._range_m
         return near

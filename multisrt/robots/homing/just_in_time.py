@@ -1,15 +1,16 @@
-"""Home just in time: whether what a robot carries can still be delivered before the time is over.
+"""Home just in time: whether what a robot carries can still be delivered before the deadline.
 
-A robot is to turn back as late as possible, and never too late. A way of length `d` is taken to
-last ``d / speed * (1 + margin)``, and half a turn at its beginning; at home a reserve is left.
-What remains of the time after the way home and the reserve is the *slack*. While a robot drives
-away from home it loses ``2 + margin`` seconds of slack each second at most: one of the clock, the
-others of the way back that grows. So the slack need not be worked out at every step.
+A robot turns back as late as possible, but never too late. The travel time of a path of length `d`
+is estimated by ``d / speed * (1 + margin)``, plus half a turn at its beginning. The *slack* is the
+time left before the deadline, minus the estimated travel time home and the reserve. A robot that
+drives away from home loses at most ``2 + margin`` seconds of slack per second: one because time
+passes, the others because the path home gets longer. So the slack need not be computed at every
+step.
 
 Source: J. de Hoog, S. Cameron and A. Visser, Role-based autonomous multi-robot exploration,
-COGNITIVE 2009, where an explorer turns back in time to meet its relay. Differs in: what ends the
-time is the limit of the run, the way is that to where the base station hears the robot, and it has
-a stated margin.
+COGNITIVE 2009, where an explorer turns back in time to meet its relay. Differs in: the deadline is
+the time limit of the run, the path leads to where the base station hears the robot, and its travel
+time has a stated margin.
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ class LimitTooShortError(InvalidInputError):
     message : str
         What is wrong, and the remedy.
     needed_s : int
-        The least limit for this robot, in seconds.
+        Minimum limit for this robot, in seconds.
     """
 
     def __init__(self, message: str, needed_s: int) -> None:
@@ -42,25 +43,26 @@ class LimitTooShortError(InvalidInputError):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JustInTime:
-    """How long ways last, and when the time is over.
+    """Travel times and the deadline of one robot.
 
     Attributes
     ----------
     limit_s : float
-        When the run ends, in seconds; ``inf`` if it has no limit.
+        Time at which the run ends, in seconds; ``inf`` if it has no limit.
     speed_m_s : float
-        Speed of the robot.
+        Speed of the robot in metres per second.
     half_turn_s : float
-        Time of half a turn in place, of a car the half circle of its minimum radius.
+        Time of half a turn in place, or for a car of half a circle of its minimum radius, in
+        seconds.
     margin : float
-        Share by which ways last longer.
+        Share by which the travel time exceeds that at full speed.
     reserve_s : float
-        Time in seconds that is left at home.
+        Time in seconds to be left at home before the deadline.
 
     Examples
     --------
     >>> time = JustInTime(limit_s=100, speed_m_s=0.5, half_turn_s=2, margin=0.25, reserve_s=10)
-    >>> time.way_s(8.0)  # 16 s at full speed, a quarter of that, and half a turn
+    >>> time.travel_time_s(8.0)  # 16 s at full speed, a quarter of that, and half a turn
     22.0
     >>> time.slack_s(60.0, 8.0), time.slack_s(80.0, 8.0)
     (8.0, -12.0)
@@ -74,12 +76,12 @@ class JustInTime:
 
     @classmethod
     def of(cls, me: RobotSelf, options: HomeOptions) -> JustInTime:
-        """Return that of a robot.
+        """Return the travel-time model of a robot.
 
         Raises
         ------
         LimitTooShortError
-            If the limit is too short to come home from where the robot begins, as the crow flies.
+            If the limit is too short to come home from the start of the robot in a straight line.
         """
         drive = me.kinematics
         half_turn_s = 0.0
@@ -98,30 +100,30 @@ class JustInTime:
         return made
 
     @property
-    def losing(self) -> float:
-        """Slack that is lost at most in a second of driving."""
+    def max_slack_loss_rate(self) -> float:
+        """Maximum slack lost per second of driving, in seconds."""
         return 2.0 + self.margin
 
-    def way_s(self, length_m: float) -> float:
-        """Return how long a way of this length in metres is taken to last."""
+    def travel_time_s(self, length_m: float) -> float:
+        """Return the estimated travel time of a path of this length in metres, in seconds."""
         return length_m / self.speed_m_s * (1.0 + self.margin) + self.half_turn_s
 
     def slack_s(self, now_s: float, home_m: float) -> float:
-        """Return the time that remains after the way home and the reserve.
+        """Return the time that is left after the path home and the reserve.
 
         Parameters
         ----------
         now_s : float
-            When the robot sets out, in seconds.
+            Time at which the robot sets out, in seconds.
         home_m : float
-            Length of the way in metres.
+            Length of the path home in metres.
 
         Returns
         -------
         float
             Seconds; negative if the time is too short.
         """
-        return self.limit_s - now_s - self.way_s(home_m) - self.reserve_s
+        return self.limit_s - now_s - self.travel_time_s(home_m) - self.reserve_s
 
     def _require_time(self, me: RobotSelf) -> None:
         assert me.base is not None
@@ -133,8 +135,8 @@ class JustInTime:
             raise LimitTooShortError(
                 f"the time limit of {self.limit_s:g} s is too short to bring news home: robot "
                 f"{me.robot} begins at {me.time_s:g} s, {away_m:.3g} m from the base station, and "
-                f"takes {self.way_s(least_m):.3g} s to where it is heard and {self.reserve_s:.3g} "
-                f"s in reserve; give a limit (max_time_s, --max-time) of at least "
-                f"{needed_s} s, or less home_reserve_s",
+                f"takes {self.travel_time_s(least_m):.3g} s to where it is heard and "
+                f"{self.reserve_s:.3g} s in reserve; give a limit (max_time_s, --max-time) of at "
+                f"least {needed_s} s, or less home_reserve_s",
                 needed_s,
             )

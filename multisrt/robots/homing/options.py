@@ -15,16 +15,16 @@ if TYPE_CHECKING:
     from multisrt.spec import RunSpec
 
 EXCHANGE_MESSAGES: Final = 4
-"""A report, a question for what is missing, the answer, and its acknowledgement."""
+"""Number of messages of a delivery: report, question, answer and acknowledgement."""
 
 
 class HomingOptions(HomeOptions, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Parameters of robots that can also go in pairs or chains: those of `HomeOptions`, and these.
+    """Parameters of robots that can also form pairs or chains: those of `HomeOptions`, and these.
 
     Attributes
     ----------
     home_period_s : float
-        "relays": minimum time in seconds between two meetings of a pair.
+        "relays": minimum time between two meetings of a pair, in seconds.
     home_link : float
         "chain": maximum length of a link between two relays, as a share of the radio's range.
     """
@@ -43,16 +43,16 @@ class HomingOptions(HomeOptions, frozen=True, kw_only=True, forbid_unknown_field
 
 
 def require_home(spec: RunSpec, kind: type[msgspec.Struct], options: Mapping[str, object]) -> None:
-    """Check that a run has what robots need that are to bring news home.
+    """Check that a run has what the option `home` needs.
 
     Parameters
     ----------
     spec : RunSpec
         The run.
     kind : type
-        The structure of its strategy's options; those that are no `HomeOptions` are passed over.
+        The structure of its strategy's options; those that are no `HomeOptions` are ignored.
     options : mapping of str to object
-        Their values, as they are given.
+        Their values, as given.
 
     Raises
     ------

@@ -1,38 +1,38 @@
 """Pairs of an explorer and a relay that meet at agreed places: what one robot keeps of its pair.
 
 Robots 0 and 1 are a pair, 2 and 3 the next, and so on: the first of them explores, the second
-carries its news to the base station. The last robot of an odd team explores alone. A pair agrees,
-whenever it meets, on its next *appointment*: a place, which is where the explorer goes next, a time
-by which the relay can have been home and there, and a backup place, which is where they had agreed
-to meet this time. At first it is the place of the base station, which all robots know.
+carries its news to the base station. The last robot of an odd team explores alone. Whenever a pair
+meets, it agrees on its next *rendezvous*: a place, which is where the explorer goes next; a time by
+which the relay can have been home and there; and a backup place, which is the place of the present
+rendezvous. The first place is that of the base station, which all robots know.
 
-The explorer drives to the place in time, and both wait there until a while after that time, then at
-the backup place. A robot whose mate comes to neither takes it as lost and goes on alone, which
-makes an explorer of a relay; so nobody waits for ever. ::
+Both robots drive to the place, the explorer in time and the relay once it has delivered. They wait
+there until a while after the agreed time, and then at the backup place. A robot whose partner comes
+to neither presumes it lost and continues alone, which makes an explorer of a relay; so no robot
+waits forever. The states below are those of `Stage`, but for `ALONE`, which is a `Role`::
 
-                   appointment, then lateness            in vain              in vain
-    explorer:  EXPLORING ------------------> TO PLACE ----------> TO BACKUP ----------> ALONE
-                   ^                            |                     |
-                   +---------- met -------------+---------------------+
+               set out            partner missed           partner missed
+    UNTIL_DUE ---------> PLACE -------------------> BACKUP ---------------> ALONE
+        ^                  |                           |
+        +------------------+-- met: next rendezvous ---+
 
-                   home, delivered                       in vain              in vain
-    relay:     DELIVERING -----------------> TO PLACE ----------> TO BACKUP ----------> ALONE
-                   ^                            |                     |
-                   +---------- met -------------+---------------------+
+A robot is in `UNTIL_DUE` while it explores, or as a relay while it delivers. A relay begins in
+`PLACE`. Where the backup place is the place itself, `BACKUP` is left out. An explorer that is done
+tells its relay so when they meet, and both continue alone.
 
-They meet by radio: a relay on its way to its explorer that hears of news tells it that it is ready.
-Until it knows a way home it explores like any robot, and takes no news.
-The explorer chooses its next goal and proposes an appointment, again and again until the relay has
-all that the explorer knows, and accepts. Both then keep the new appointment; where the acceptance
-is lost, the explorer keeps the last one, at whose place the relay looks for it in the end, as that
-is the backup of its own.
+A pair meets by radio. A relay on its way to the rendezvous that hears its explorer tells it that it
+is ready. A relay that knows no path home explores like any robot, and accepts no data. The explorer
+chooses its next goal and proposes a rendezvous there, again and again until the relay has all that
+the explorer knows, and accepts. Both then keep the new rendezvous. If the acceptance is lost, the
+explorer keeps the previous one; the relay looks for it at that place in the end, as it is the
+backup place of the new one.
 
 Source: J. de Hoog, S. Cameron and A. Visser, Role-based autonomous multi-robot exploration,
 COGNITIVE 2009, and Selection of rendezvous points for multi-robot exploration in dynamic
 environments, AAMAS workshop ARMS 2010; V. Spirin, S. Cameron and J. de Hoog, Time preference for
 information in multi-agent exploration with limited communication, TAROS 2013, for the backup and
-the limits. Differs in: the meeting place is the explorer's next goal, and not the one of a skeleton
-that is best for the team; the hierarchy has two levels; roles are not swapped.
+the limits. Differs in: the rendezvous is at the explorer's next goal, and not at the place of a
+skeleton that is best for the team; the hierarchy has two levels; roles are not swapped.
 """
 
 from __future__ import annotations
@@ -48,19 +48,19 @@ from multisrt.robots.knowledge import Counts
 from multisrt.robots.messages import Message
 
 
-class Appointment(msgspec.Struct, frozen=True, kw_only=True):
-    """Where and when a pair meets next.
+class Rendezvous(msgspec.Struct, frozen=True, kw_only=True):
+    """Place and time at which a pair meets next.
 
     Attributes
     ----------
     number : int
         Serial number among those of the pair.
     place : (x, y)
-        Where, in metres.
+        Place in metres.
     backup : (x, y)
-        Where else, if one of them did not come.
+        Place in metres where they meet if one of them did not come to the first.
     due_s : float
-        When, in seconds.
+        Time in seconds.
     """
 
     number: int
@@ -75,7 +75,7 @@ class ReadyMessage(Message, frozen=True, kw_only=True):
     Attributes
     ----------
     number : int
-        Number of the appointment that it keeps.
+        Number of the rendezvous that it keeps.
     """
 
     kind: ClassVar[str] = "ready"
@@ -88,22 +88,23 @@ class ReadyMessage(Message, frozen=True, kw_only=True):
         return True
 
 
-class AppointmentMessage(Message, frozen=True, kw_only=True):
-    """An explorer proposes the next appointment, or its relay accepts it.
+class RendezvousMessage(Message, frozen=True, kw_only=True):
+    """An explorer proposes the next rendezvous, or its relay accepts it.
 
     Attributes
     ----------
-    appointment : Appointment or None
-        The appointment; None: the explorer is done, and goes home itself.
+    appointment : Rendezvous or None
+        The rendezvous; None: the explorer is done, and goes home itself.
     have : tuple of (robot, nodes, closings)
         What the sender knows: a relay accepts when it knows as much. See `Counts`.
     accepts : bool
         Whether it is the answer of the relay.
     """
 
+    # Recordings hold the kind, and the size, to which the names of the fields belong.
     kind: ClassVar[str] = "appointment"
 
-    appointment: Appointment | None
+    appointment: Rendezvous | None
     have: Counts
     accepts: bool = False
 
@@ -122,12 +123,14 @@ class Role(Enum):
 
 
 class Stage(Enum):
-    """What a robot does about its appointment; see the drawing above."""
+    """What a robot of a pair does about its rendezvous; see the diagram of the module."""
 
     UNTIL_DUE = auto()
-    """Exploring, or delivering."""
+    """It explores, or as a relay delivers, until it has to set out."""
     PLACE = auto()
+    """It drives to the place, or waits there."""
     BACKUP = auto()
+    """It drives to the backup place, or waits there."""
 
 
 class Pair:
@@ -144,48 +147,48 @@ class Pair:
     period_s : float
         Minimum time between two meetings in seconds.
     now_s : float
-        The time now.
+        Present time in seconds.
 
     Attributes
     ----------
     role : Role
         What this robot does.
-    mate : int or None
+    partner : int or None
         Number of the other robot; None if there is none.
-    appointment : Appointment
-        When and where they meet next.
+    rendezvous : Rendezvous
+        Where and when they meet next.
     stage : Stage
-        What it does about that.
-    proposed : Appointment or None
+        What this robot does about that.
+    proposed : Rendezvous or None
         Explorer: what it has proposed and the relay has not yet accepted.
     accepted : bool
         Explorer: whether the last proposal was accepted.
     knows_home : bool
-        Relay: whether it knows a way to where the base station hears it.
+        Relay: whether it knows a path to where the base station hears it.
 
     Examples
     --------
     >>> pairs = [Pair(n, 5, base=(1.0, 2.0), period_s=60.0, now_s=0.0) for n in range(5)]
     >>> [pair.role.name for pair in pairs]
     ['EXPLORER', 'RELAY', 'EXPLORER', 'RELAY', 'ALONE']
-    >>> [pair.mate for pair in pairs]
+    >>> [pair.partner for pair in pairs]
     [1, 0, 3, 2, None]
-    >>> pairs[0].target(), pairs[0].appointment.due_s
+    >>> pairs[0].target(), pairs[0].rendezvous.due_s
     ((1.0, 2.0), 60.0)
     """
 
     def __init__(
         self, number: int, team: int, *, base: Place, period_s: float, now_s: float
     ) -> None:
-        mate = number ^ 1
-        self.mate: int | None = mate if mate < team else None
+        partner = number ^ 1
+        self.partner: int | None = partner if partner < team else None
         self.role = Role.RELAY if number % 2 else Role.EXPLORER
-        if self.mate is None:
+        if self.partner is None:
             self.role = Role.ALONE
-        self.appointment = Appointment(number=0, place=base, backup=base, due_s=now_s + period_s)
+        self.rendezvous = Rendezvous(number=0, place=base, backup=base, due_s=now_s + period_s)
         # A relay begins as if it had delivered: it goes to the first place at once.
         self.stage = Stage.PLACE if self.role is Role.RELAY else Stage.UNTIL_DUE
-        self.proposed: Appointment | None = None
+        self.proposed: Rendezvous | None = None
         self.accepted = False
         self.knows_home = False
         self._period_s = period_s
@@ -193,88 +196,101 @@ class Pair:
 
     @property
     def is_paired(self) -> bool:
-        """Whether the robot has a mate that it does not take as lost."""
+        """Whether the robot has a partner that it does not presume lost."""
         return self.role is not Role.ALONE
 
     def target(self) -> Place:
-        """Return where the robot goes to meet its mate, in metres."""
-        here = self.appointment
-        return here.backup if self.stage is Stage.BACKUP else here.place
+        """Return where the robot goes to meet its partner, in metres."""
+        rendezvous = self.rendezvous
+        return rendezvous.backup if self.stage is Stage.BACKUP else rendezvous.place
 
     def set_out(self) -> None:
-        """Go to meet the mate: the time has come, or what was carried is delivered."""
+        """Begin to go to the rendezvous: the time has come, or what was carried is delivered."""
         if self.stage is Stage.UNTIL_DUE:
             self.stage = Stage.PLACE
 
-    def note_in_vain(self) -> None:
-        """Go on to the backup place, or alone: the mate has not come."""
-        if self.stage is Stage.PLACE and self.appointment.backup != self.appointment.place:
+    def note_missed(self) -> None:
+        """Go on to the backup place, or continue alone: the partner has not come."""
+        if self.stage is Stage.PLACE and self.rendezvous.backup != self.rendezvous.place:
             self.stage = Stage.BACKUP
         else:
-            self.part()
+            self.continue_alone()
 
-    def part(self) -> None:
-        """Go on alone."""
+    def continue_alone(self) -> None:
+        """Leave the pair, and explore alone from now on."""
         self.role = Role.ALONE
 
     # The explorer ---------------------------------------------------------------------------
 
     def propose(
         self, place: Place | None, now_s: float, round_s: float, have: Counts, sender: int
-    ) -> AppointmentMessage:
-        """Return the proposal of the next appointment.
+    ) -> RendezvousMessage:
+        """Return the proposal of the next rendezvous.
 
         Parameters
         ----------
         place : (x, y) or None
             Where the explorer goes next, in metres; None if it is done.
         now_s : float
-            The time now.
+            Present time in seconds.
         round_s : float
             Time that the relay takes from here home, and from there to the place, in seconds.
         have : tuple of (robot, nodes, closings)
             What the explorer knows.
         sender : int
-            Its number.
+            Number of the explorer.
+
+        Returns
+        -------
+        RendezvousMessage
+            The message for the relay.
         """
         self.accepted = False
         self.proposed = None
         if place is not None:
-            self.proposed = Appointment(
-                number=self.appointment.number + 1,
+            self.proposed = Rendezvous(
+                number=self.rendezvous.number + 1,
                 place=place,
-                backup=self.appointment.place,
+                backup=self.rendezvous.place,
                 due_s=now_s + max(self._period_s, round_s),
             )
-        return AppointmentMessage(sender=sender, appointment=self.proposed, have=have)
+        return RendezvousMessage(sender=sender, appointment=self.proposed, have=have)
 
-    def take_acceptance(self, message: AppointmentMessage) -> None:
-        """Take the relay's answer; an answer to another proposal is passed over."""
+    def take_acceptance(self, message: RendezvousMessage) -> None:
+        """Take the relay's answer; ignore an answer to another proposal."""
         if message.appointment != self.proposed:
             return
         self.accepted = True
         if message.appointment is None:
-            self.part()
+            self.continue_alone()
         else:
             self._keep(message.appointment)
 
     # The relay ------------------------------------------------------------------------------
 
-    def is_ready(self, now_s: float, period_s: float) -> bool:
-        """Whether to tell the explorer that the relay is here, and record that it is done."""
+    def take_ready_turn(self, now_s: float, period_s: float) -> bool:
+        """Return whether to announce readiness now, and if so record the time.
+
+        Parameters
+        ----------
+        now_s : float
+            Present time in seconds.
+        period_s : float
+            Minimum time between two announcements in seconds.
+        """
         waits = self.role is Role.RELAY and self.stage is not Stage.UNTIL_DUE
         if not (waits and self.knows_home) or now_s < self._ready_s + period_s:
             return False
         self._ready_s = now_s
         return True
 
-    def accept(self, message: AppointmentMessage) -> None:
-        """Keep a proposed appointment, or go on alone if the explorer is done."""
+    def accept(self, message: RendezvousMessage) -> None:
+        """Keep a proposed rendezvous, or continue alone if the explorer is done."""
         if message.appointment is None:
-            self.part()
-        elif message.appointment.number > self.appointment.number:
+            self.continue_alone()
+        elif message.appointment.number > self.rendezvous.number:
             self._keep(message.appointment)
 
-    def _keep(self, appointment: Appointment) -> None:
-        self.appointment = appointment
+    def _keep(self, rendezvous: Rendezvous) -> None:
+        self.rendezvous = rendezvous
         self.stage = Stage.UNTIL_DUE

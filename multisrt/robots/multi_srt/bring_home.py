@@ -59,8 +59,8 @@ def go_home(robot: SrtRobot, homing: SrtHoming, why: str) -> Steps:
 
     It ends on the way once all is acknowledged.
     """
-    yield homing.told(why)
-    was_asked, homing.is_asked = homing.is_asked, False
+    yield homing.decision_note(why)
+    was_enabled, homing.is_enabled = homing.is_enabled, False
     robot.at.tree = None
 
     def next_choice(frontier: FloatArray, draws: Draws) -> Choosing:
@@ -76,4 +76,4 @@ def go_home(robot: SrtRobot, homing: SrtHoming, why: str) -> Steps:
     yield from robot.team.begin_step()
     yield from until_boxed_in(robot, take_steps(robot, next_choice))
     yield from homing.deliver()
-    homing.is_asked = was_asked
+    homing.is_enabled = was_enabled

@@ -37,7 +37,7 @@ class SrtExplorer:
     robot : SrtRobot
         The robot and what it knows.
     is_out_of_time : bool
-        Whether it has ended as there was no time for another target and the way home.
+        Whether it has ended as there was no time for another target and the path home.
     """
 
     def __init__(self, me: RobotSelf, shape: Shape, options: MultiSrtOptions) -> None:
@@ -83,7 +83,7 @@ class SrtExplorer:
         """End, as there is no time for more."""
         robot, homing = self.robot, self.robot.homing
         assert homing is not None
-        self.is_out_of_time, homing.is_asked = True, False
+        self.is_out_of_time, homing.is_enabled = True, False
         robot.at.tree = None
         yield from robot.team.rest()
 

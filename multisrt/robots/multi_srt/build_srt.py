@@ -163,7 +163,7 @@ def decide(
     team, journey, progress = robot.team, robot.journey, robot.progress
     frontier_m = total_length(frontier)
     if robot.homing is not None:
-        robot.homing.ask()
+        robot.homing.raise_if_due()
     if team.status.waited >= robot.options.max_waits:
         journey.target = None
     if progress.state is State.JAMMED:
@@ -183,7 +183,7 @@ def decide(
             progress.note(Event.PATH)
         yield Note(_decision(robot, found, frontier_m, draws, (gpr, ger)))
         if robot.homing is not None and target is not None and choice in EXPLORING:
-            robot.homing.weigh(target)
+            robot.homing.raise_unless_fits(target)
         if choice == "end":
             yield from team.rest()
             return True, None

@@ -4,7 +4,7 @@ Source: Multi-SRT, paper section 2, "GER path feasibility check" and "Coordinati
 is the robot of the highest number. Differs in:
 
 - A robot that stands idle is never master, but the highest of those that make a step.
-- A master that does not answer is taken as lost, the group is rebuilt without it, and the next
+- A master that does not answer is presumed lost, the group is rebuilt without it, and the next
   highest is master.
 """
 

@@ -160,7 +160,7 @@ def _has_come(robot: SrtRobot, number: int, phase: Phase) -> bool:
 
 
 def is_elsewhere(robot: SrtRobot, number: int, phase: Phase) -> bool:
-    """Whether a member does not step with this group: it is lost, gone, or in another one."""
+    """Whether a member does not step with this group: presumed lost, gone, or in another one."""
     team = robot.team
     if team.roster.is_out(number):
         return True

@@ -1,10 +1,10 @@
 """How a robot of the SRT family brings its news home: over its roadmap, from node to node.
 
-A tree holds the way home: a robot goes to the nearest node from which the base station surely hears
-it. Steps are not broken off, so it asks at every node whether it is to go home, and before it takes
-a target whether there is time for that and the way home from there; targets for which there is not
-are left out of its choices. Every hop may begin with a
-turn, which counts as half a one.
+The path home leads over the trees: a robot goes to the nearest node from which the base station is
+certain to hear it. Steps are not interrupted, so at every node the robot checks whether it has to
+go home, and before it takes a target whether there is time for that and for the path home from
+there. Targets for which there is no time are left out of its choices. Every hop may begin with a
+turn, which counts as half a turn.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from multisrt.geometry.grids.occupancy import Occupancy
 from multisrt.robots.exploration_map import ExplorationMap
 from multisrt.robots.explorer import Note, RobotSelf, Steps
 from multisrt.robots.homing.contact import ContactPlaces
+from multisrt.robots.homing.delivered_share import DeliveredShare
 from multisrt.robots.homing.just_in_time import JustInTime
-from multisrt.robots.homing.worth import NewsWorth
 from multisrt.robots.knowledge import NodeId
 from multisrt.robots.multi_srt.options import MultiSrtOptions
 from multisrt.robots.multi_srt.routes import Routes
@@ -27,19 +27,19 @@ from multisrt.robots.multi_srt.team import Team
 from multisrt.robots.multi_srt.whereabouts import Whereabouts
 
 CELL_M = 0.1
-"""Width of the cells in which areas of news are counted, in metres, unless the body is smaller."""
+"""Width in metres of the cells in which areas are counted, unless the body is smaller."""
 
 
 class CalledHome(Exception):
-    """The robot breaks off what it does, and goes home."""
+    """The robot has to interrupt what it does, and go home."""
 
 
 class OutOfTime(Exception):
-    """The robot has nothing to bring home, and no time for another target and the way home."""
+    """The robot has nothing to deliver, and no time for another target and the path home."""
 
 
 class SrtHoming:
-    """When a robot goes home, and to which node.
+    """When a robot has to go home, and to which node.
 
     Parameters
     ----------
@@ -54,12 +54,12 @@ class SrtHoming:
     routes : Routes
         Its routes.
     team : Team
-        Its messages, which tell what the base station knows.
+        Its messages, from which it knows what the base station has.
 
     Attributes
     ----------
-    is_asked : bool
-        Whether the robot asks on its way; not while it goes home, or has ended.
+    is_enabled : bool
+        Whether the robot may be called home; not while it goes home, or has ended.
     has_left_out : bool
         Whether a target was left out of a choice, as there is no time for it; to be reset before a
         choice.
@@ -74,7 +74,7 @@ class SrtHoming:
         routes: Routes,
         team: Team,
     ) -> None:
-        self.is_asked = True
+        self.is_enabled = True
         self.has_left_out = False
         self._time = JustInTime.of(me, options)
         self._contact = ContactPlaces(me)
@@ -86,18 +86,19 @@ class SrtHoming:
         cell_m = min(CELL_M, me.footprint.width_m)
         self._raster = Occupancy(cell_m, me.footprint.circumscribed_radius_m)
         self._painted = 0
-        self._worth = NewsWorth(known.entries, self._raster)
+        self._delivered = DeliveredShare(known.entries, self._raster)
         self._unheard_s: float | None = None
 
-    def ask(self) -> None:
-        """Go home, if the time has come or what the robot carries is worth it.
+    def raise_if_due(self) -> None:
+        """Raise `CalledHome` if the robot has to go home now.
 
         Raises
         ------
         CalledHome
-            If it is to go home; with the reason in words.
+            If only the time for the path home is left, or the trip is worthwhile; with the reason
+            in words.
         """
-        if not self.is_asked or not self.may_deliver:
+        if not self.is_enabled or not self.may_deliver:
             return
         route = self.route_from(self._at.node)
         if route is None:
@@ -106,16 +107,16 @@ class SrtHoming:
             limit_s = self._time.limit_s
             raise CalledHome(f"the limit of {limit_s:g} s leaves time for the way home only")
         ratio = self._options.home_ratio
-        if self._options.home == "worth" and len(route) > 1 and self._ratio() < ratio:
+        if self._options.home == "worth" and len(route) > 1 and self._delivered_share() < ratio:
             raise CalledHome(f"the base station knows less than {ratio:.0%} of what it knows")
 
-    def weigh(self, target: Target) -> None:
-        """Go home if there is no time for a target and the way home from there; see `end`."""
+    def raise_unless_fits(self, target: Target) -> None:
+        """Raise as `raise_out_of_time` unless there is time for a target and the path home."""
         if not self.fits(target):
-            self.end()
+            self.raise_out_of_time()
 
-    def end(self) -> NoReturn:
-        """Go home, or end: there is no time for another target.
+    def raise_out_of_time(self) -> NoReturn:
+        """Raise the exception of a robot that has no time for another target.
 
         Raises
         ------
@@ -129,17 +130,17 @@ class SrtHoming:
         raise OutOfTime
 
     def leaves_out(self, target: Target) -> bool:
-        """Whether there is no time for a target, which is left out of a choice for that."""
+        """Return whether a target is left out of a choice as there is no time for it; record it."""
         is_late = not self.fits(target)
         self.has_left_out |= is_late
         return is_late
 
     def fits(self, target: Target) -> bool:
-        """Whether there is time for a target and the way home from there.
+        """Return whether there is time for a target and the path home from there.
 
-        True if no way home is known, and for a robot that goes home or has ended.
+        True if no path home is known, and for a robot that goes home or has ended.
         """
-        if not self.is_asked or math.isinf(self._time.limit_s) or not self._may_be_heard:
+        if not self.is_enabled or math.isinf(self._time.limit_s) or not self._may_be_heard:
             return True
         route = self.route_from(target.route[-1])
         if route is None:
@@ -166,7 +167,7 @@ class SrtHoming:
         return len(self._contact.nodes) > 0
 
     def is_home(self) -> bool:
-        """Whether the robot is at a node where the base station hears it."""
+        """Return whether the robot is at a node where the base station hears it."""
         return self._at.here in self._contact.nodes
 
     def route_from(self, node: NodeId) -> list[NodeId] | None:
@@ -185,15 +186,15 @@ class SrtHoming:
         length_m = before_m + self._routes.length_m(route)
         return self._time.slack_s(now_s + turns_s, length_m)
 
-    def _ratio(self) -> float:
+    def _delivered_share(self) -> float:
         nodes = self._map.entries.nodes
         for node in list(nodes.values())[self._painted :]:
             self._raster.add(node.region)
         self._painted = len(nodes)
-        return self._worth.ratio(self._team.base_has, self._team.base_beyond)
+        return self._delivered.share(self._team.base_has, self._team.base_beyond)
 
     def deliver(self) -> Steps:
-        """Report until the base station has acknowledged all, for a while at the longest."""
+        """Report until the base station has acknowledged all, for at most `home_wait_s`."""
         team, at = self._team, self._at
         until_s = at.time_s + self._options.home_wait_s
         while team.carries and at.time_s < until_s:
@@ -202,7 +203,7 @@ class SrtHoming:
             yield from team.pause(team.period_s)
         self._unheard_s = at.time_s if team.carries else None
 
-    def told(self, why: str) -> Note:
+    def decision_note(self, why: str) -> Note:
         """Return the action that records why the robot goes home."""
         route = self.route_from(self._at.node)
         place = None if route is None else self._map[route[-1]].configuration[:2]

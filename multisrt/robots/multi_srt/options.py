@@ -40,9 +40,9 @@ class MultiSrtOptions(SrtOptions, frozen=True, kw_only=True, forbid_unknown_fiel
     ----------
     home : {"never", "in-time", "worth"}
         When a robot drives over its roadmap, from node to node, to where the base station hears it.
-        "never": on no account. "in-time": when it has explored all it can, and so that what it
-        carries is delivered before the run's time limit. "worth": then, and when what it carries is
-        worth the way. Other values than "never" need a base station.
+        "never": never. "in-time": when nothing is left to explore, or early enough to deliver its
+        data before the time limit. "worth": then, and when the trip is worthwhile (`home_ratio`).
+        Other values than "never" need a base station.
     guard_m : float
         Distance in metres to another body at which the protective stop ends a motion; paths that
         come nearer to one another conflict.
@@ -71,7 +71,7 @@ class MultiSrtOptions(SrtOptions, frozen=True, kw_only=True, forbid_unknown_fiel
     ask_period_s : float
         Time after which a robot that waits for another asks it again; latency comes on top.
     silence_timeout_s : float or None
-        A robot that does not answer for this long is taken as lost; None: as long as it takes
+        A robot that does not answer for this long is presumed lost; None: as long as it takes
         until the radio is very unlikely to have lost that many answers in a row.
     sense : {"targets", "moving"}
         Whether scans are taken at targets only, as in the paper, or also on the way to new

@@ -205,7 +205,7 @@ class Planner:
         if past_bodies is not None:
             return "bypass", past_bodies
         if robot.homing is not None and robot.homing.has_left_out:
-            robot.homing.end()
+            robot.homing.raise_out_of_time()
         for node in robot.map.open_nodes(tree):
             bodies = self._bodies_before(here, node)
             for arc in robot.deferred.arcs(node):

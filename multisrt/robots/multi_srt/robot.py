@@ -129,7 +129,7 @@ class SrtRobot:
         return limit is not None and self.team.without_place[node] >= limit
 
     def leaves_out(self, target: Target) -> bool:
-        """Whether the robot has no time for a target and the way home; see `SrtHoming`."""
+        """Return whether there is no time for a target and the path home; see `SrtHoming`."""
         return self.homing is not None and self.homing.leaves_out(target)
 
     def refuse(self, x: float, y: float) -> str | None:

@@ -39,11 +39,11 @@ class Roster:
     heard_s : dict of int to float
         When a robot was last heard from.
     lost : dict of int to None
-        Robots that are taken as lost, in this order.
+        Robots that are presumed lost, in this order.
     left_out_until_s : dict of int to float
         Until when a robot is left out of the own groups.
     patience : int
-        Number of questions without an answer after which a robot is taken as lost.
+        Number of questions without an answer after which a robot is presumed lost.
     """
 
     def __init__(
@@ -92,11 +92,11 @@ class Roster:
         return present
 
     def is_out(self, number: int) -> bool:
-        """Whether a robot belongs to no group: it is lost, or left out for a while."""
+        """Whether a robot belongs to no group: it is presumed lost, or left out for a while."""
         return number in self.lost or self.left_out_until_s.get(number, 0.0) > self._at.time_s
 
     def answers(self, number: int) -> bool:
-        """Whether a robot was heard from and is not taken as lost."""
+        """Whether a robot was heard from and is not presumed lost."""
         return number in self.states and number not in self.lost
 
     def responds(self, number: int) -> bool:
@@ -138,7 +138,7 @@ class Roster:
         self._obstacles.silent.pop(number, None)
 
     def is_lost_when_asked(self, number: int) -> bool:
-        """Count a question to a robot; return whether it is taken as lost now."""
+        """Count a question to a robot; return whether it is presumed lost now."""
         self._unanswered[number] = self._unanswered.get(number, 0) + 1
         if self._unanswered[number] <= self.patience:
             return False

@@ -235,7 +235,7 @@ class Team(Listener):
             yield from self.pause(self.round_trip_s if asks or asked else 0.0)
 
     def ask(self, pending: Iterable[int]) -> Steps:
-        """Ask robots for their states; those that never answer are taken as lost."""
+        """Ask robots for their states; those that never answer are presumed lost."""
         asked = tuple(pending)
         for number in asked:
             if self.roster.is_lost_when_asked(number):

@@ -146,7 +146,7 @@ def _allow(seen: Observation, spec: DecisionSpec, frontiers: int) -> None:
 
 def _note_others(seen: Observation, robot: FrontierRobot) -> None:
     x, y, _ = robot.at
-    for number, report in robot.team.mates.reports.items():
+    for number, report in robot.team.teammates.reports.items():
         row = number if number < robot.me.robot else number - 1
         goal = report.place[:2] if report.goal is None else report.goal
         offsets = (report.place[0] - x, report.place[1] - y, goal[0] - x, goal[1] - y)

@@ -17,8 +17,8 @@ from multisrt.competition.grid_kernels import (
     descend,
     field_from,
     passable_cells,
+    path_lengths_between,
     unknown_blocks,
-    ways_between,
     with_walls,
     zone,
 )
@@ -108,16 +108,16 @@ def test_unknown_area_in_sight_is_counted_in_blocks():
     assert columns[first[1] : first[2]].min() >= 25
 
 
-def test_ways_between_targets_are_those_of_cells():
+def test_path_lengths_between_targets_are_those_of_cells():
     passable = np.ones((40, 60), bool)
     passable[:30, 28:31] = False
     targets = np.array([[2, 2], [2, 56], [36, 30]])
-    between = ways_between(passable, targets)
+    lengths = path_lengths_between(passable, targets)
     for k, (row, column) in enumerate(targets):
         exact = ways_from(passable, row, column)[targets[:, 0], targets[:, 1]]
-        assert np.abs(between[k] - exact).max() <= 4
+        assert np.abs(lengths[k] - exact).max() <= 4
     passable[:, 28:31] = False
-    assert np.isinf(ways_between(passable, targets[:2])[0, 1])
+    assert np.isinf(path_lengths_between(passable, targets[:2])[0, 1])
 
 
 PLAIN = Rules(horizon=100.0, power=1.0, nearest=1.0, homeward=0.0, least_area=1.0)

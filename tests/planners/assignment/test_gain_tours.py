@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.planners.assignment.gain import LazyCosts, Values, gain
+from multisrt.planners.assignment.gain import LazyCosts, ValueParameters, gain
 from multisrt.planners.assignment.gain_tours import MAX_STOPS, gain_on_tours
 
 INF = np.inf
@@ -18,8 +18,15 @@ def on_a_line(robots, targets):
 
 
 def chosen(robots, targets, areas, robot=0, **options):
-    costs, between = on_a_line(robots, targets)
-    return gain_on_tours(costs, areas, between, between, robot, **({"rule": Values(4.0)} | options))
+    costs, distances = on_a_line(robots, targets)
+    return gain_on_tours(
+        costs,
+        areas,
+        distances,
+        distances,
+        robot,
+        **({"parameters": ValueParameters(4.0)} | options),
+    )
 
 
 def test_a_scrap_is_not_left_behind_for_a_larger_area():
@@ -34,8 +41,8 @@ def test_a_scrap_is_not_left_behind_for_a_larger_area():
 
 
 def test_by_value_alone_the_larger_area_is_chosen():
-    costs, between = on_a_line([0.0], [-3.0, 4.0])
-    assert gain(costs, [7.0, 50.0], between, 0, range_m=4.0).choice == 1
+    costs, distances = on_a_line([0.0], [-3.0, 4.0])
+    assert gain(costs, [7.0, 50.0], distances, 0, range_m=4.0).choice == 1
 
 
 def test_robots_choose_among_what_they_take():
@@ -56,7 +63,7 @@ def test_searching_a_large_area_leaves_others_to_others():
 def test_a_robot_to_which_nothing_is_left_has_no_choice():
     found = chosen([0.0, 0.5], [0.2], [9.0], 1)
     assert (found.choice, found.rounds) == (None, ())
-    nothing = gain_on_tours([[INF]], [1.0], [[0.0]], [[0.0]], 0, rule=Values(4.0))
+    nothing = gain_on_tours([[INF]], [1.0], [[0.0]], [[0.0]], 0, parameters=ValueParameters(4.0))
     assert nothing.choice is None
 
 
@@ -73,32 +80,37 @@ def test_only_the_best_targets_are_stops():
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"lengths": [[0.0]]}, "lengths has the shape"),
+        ({"path_lengths": [[0.0]]}, "path_lengths has the shape"),
         ({"areas": [1.0]}, "areas has the shape"),
         ({"tour_weight": 0.0}, "tour_weight is 0.0; it must be positive"),
-        ({"rule": Values(0.0)}, "range_m is 0.0"),
+        ({"parameters": ValueParameters(0.0)}, "range_m is 0.0"),
         ({"return_area_m2": -1.0}, "return_area_m2 is -1.0; it must be 0 or more"),
     ],
 )
 def test_bad_values_are_refused(changes, message):
-    between = [[0.0, 1.0], [1.0, 0.0]]
+    distances = [[0.0, 1.0], [1.0, 0.0]]
     sound = {
         "costs": [[1.0, 2.0]],
         "areas": [1.0, 1.0],
-        "between": between,
-        "lengths": between,
+        "distances": distances,
+        "path_lengths": distances,
         "robot": 0,
-        "rule": Values(4.0),
+        "parameters": ValueParameters(4.0),
     }
     with pytest.raises(InvalidInputError, match=message):
         gain_on_tours(**(sound | changes))
 
 
 def test_paths_between_targets_are_finite():
-    apart = [[0.0, 3.0], [3.0, 0.0]]
+    distances = [[0.0, 3.0], [3.0, 0.0]]
     with pytest.raises(InvalidInputError, match="infinite"):
         gain_on_tours(
-            [[1.0, 1.0]], [5.0, 5.0], apart, [[0.0, np.inf], [np.inf, 0.0]], 0, rule=Values(4.0)
+            [[1.0, 1.0]],
+            [5.0, 5.0],
+            distances,
+            [[0.0, np.inf], [np.inf, 0.0]],
+            0,
+            parameters=ValueParameters(4.0),
         )
 
 
@@ -110,14 +122,14 @@ def teams(draw):
     costs = draw(arrays.arrays(np.float64, (n, m), elements=tenths))
     shares = draw(arrays.arrays(np.float64, (n, m), elements=st.sampled_from([0.0, 0.5, 1.0])))
     areas = draw(arrays.arrays(np.float64, m, elements=st.sampled_from([0.0, 2.0, 9.0])))
-    between = draw(arrays.arrays(np.float64, (m, m), elements=tenths))
-    between = np.triu(between, 1) + np.triu(between, 1).T
+    distances = draw(arrays.arrays(np.float64, (m, m), elements=tenths))
+    distances = np.triu(distances, 1) + np.triu(distances, 1).T
     robot = draw(st.integers(0, n - 1))
     is_shut_in = np.array([draw(st.booleans()) if row != robot else False for row in range(n)])
     bounds = shares * costs
     bounds[robot] = costs[robot]
     costs[is_shut_in] = INF
-    return costs, bounds, areas, between, robot
+    return costs, bounds, areas, distances, robot
 
 
 def lazy(bounds, costs):
@@ -133,10 +145,14 @@ def lazy(bounds, costs):
 
 @given(teams())
 def test_lazy_costs_give_the_same_choice(team):
-    costs, bounds, areas, between, robot = team
+    costs, bounds, areas, distances, robot = team
     known, asked = lazy(bounds, costs)
-    whole = gain_on_tours(costs, areas, between, between, robot, rule=Values(4.0))
-    found = gain_on_tours(known, areas, between, between, robot, rule=Values(4.0))
+    whole = gain_on_tours(
+        costs, areas, distances, distances, robot, parameters=ValueParameters(4.0)
+    )
+    found = gain_on_tours(
+        known, areas, distances, distances, robot, parameters=ValueParameters(4.0)
+    )
     assert (found.choice, found.rounds) == (whole.choice, whole.rounds)
     assert len(set(asked)) == len(asked)
     assert robot not in {row for row, _ in asked}
@@ -144,7 +160,7 @@ def test_lazy_costs_give_the_same_choice(team):
 
 def test_costs_that_a_choice_does_not_depend_on_are_not_computed():
     # The other robot takes the two targets at its side; those at this robot's are too far.
-    costs, between = on_a_line([0.0, 20.0], [-6.0, -3.0, 23.0, 26.0])
+    costs, distances = on_a_line([0.0, 20.0], [-6.0, -3.0, 23.0, 26.0])
     known, asked = lazy(np.vstack([costs[0], 0.9 * costs[1]]), costs)
-    gain_on_tours(known, [9.0] * 4, between, between, 0, rule=Values(4.0))
+    gain_on_tours(known, [9.0] * 4, distances, distances, 0, parameters=ValueParameters(4.0))
     assert asked == [(1, 2)]

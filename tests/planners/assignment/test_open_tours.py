@@ -22,22 +22,23 @@ def test_no_place_and_one_place():
 def test_a_tour_of_a_line_turns_round_once():
     # From 0: to 2, back to -1 and on to -3 is 2 + 3 + 2. To -1 or -3 first: 3, and 5 back to 2; the
     # tour that begins with -1 goes on to -3.
-    ways, between = on_a_line(-1.0, -3.0, 2.0)
-    assert open_tours(ways, between, np.zeros(3)).tolist() == [8.0, 8.0, 7.0]
+    costs, path_lengths = on_a_line(-1.0, -3.0, 2.0)
+    assert open_tours(costs, path_lengths, np.zeros(3)).tolist() == [8.0, 8.0, 7.0]
 
 
 def test_what_is_costly_to_leave_comes_last():
     # The tour that ends at -3 leaves -1 and 2, those that end at 2 leave -1 and -3.
-    ways, between = on_a_line(-1.0, -3.0, 2.0)
+    costs, path_lengths = on_a_line(-1.0, -3.0, 2.0)
     leaving = np.array([0.0, 0.0, 4.0])
-    assert open_tours(ways, between, leaving).tolist() == [8.0, 8.0, 11.0]
+    assert open_tours(costs, path_lengths, leaving).tolist() == [8.0, 8.0, 11.0]
 
 
-def shortest(ways, between, leaving, first) -> float:
-    others = [k for k in range(len(ways)) if k != first]
+def shortest(costs, path_lengths, leaving, first) -> float:
+    others = [k for k in range(len(costs)) if k != first]
     tours = ((first, *rest) for rest in permutations(others))
     return min(
-        ways[first] + sum(leaving[a] + between[a, b] for a, b in pairwise(tour)) for tour in tours
+        costs[first] + sum(leaving[a] + path_lengths[a, b] for a, b in pairwise(tour))
+        for tour in tours
     )
 
 
@@ -46,10 +47,10 @@ def shortest(ways, between, leaving, first) -> float:
     arrays(float, 6, elements=st.integers(0, 4)),
 )
 def test_tours_are_hardly_longer_than_the_shortest(places, leaving):
-    ways = np.hypot(*(places - 10.0).T)
-    between = np.hypot(*(places[:, None] - places).transpose(2, 0, 1))
-    found = open_tours(ways, between, leaving)
-    best = [shortest(ways, between, leaving, first) for first in range(6)]
+    costs = np.hypot(*(places - 10.0).T)
+    path_lengths = np.hypot(*(places[:, None] - places).transpose(2, 0, 1))
+    found = open_tours(costs, path_lengths, leaving)
+    best = [shortest(costs, path_lengths, leaving, first) for first in range(6)]
     assert (found >= np.array(best) - 1e-9).all()
     assert found.min() <= 1.15 * min(best) + 1e-9
 
@@ -59,10 +60,10 @@ def test_tours_of_random_places_are_hardly_longer_on_average():
     ratios = []
     for _ in range(20):
         places, leaving = rng.random((6, 2)) * 10.0, rng.random(6) * 3.0
-        ways = np.hypot(*(places - 5.0).T)
-        between = np.hypot(*(places[:, None] - places).transpose(2, 0, 1))
-        found = open_tours(ways, between, leaving)
-        ratios += [found[k] / shortest(ways, between, leaving, k) for k in range(6)]
+        costs = np.hypot(*(places - 5.0).T)
+        path_lengths = np.hypot(*(places[:, None] - places).transpose(2, 0, 1))
+        found = open_tours(costs, path_lengths, leaving)
+        ratios += [found[k] / shortest(costs, path_lengths, leaving, k) for k in range(6)]
     assert np.mean(ratios) == pytest.approx(1.0, abs=0.01)
 
 
@@ -72,14 +73,16 @@ def test_each_change_shortens_a_tour():
     changed = [0, 0, 0, 0]
     for _ in range(100):
         places, leaving = rng.random((7, 2)) * 10.0, rng.random(7) * 20.0
-        between = np.hypot(*(places[:, None] - places).transpose(2, 0, 1))
+        path_lengths = np.hypot(*(places[:, None] - places).transpose(2, 0, 1))
         for size in range(4):
             tour = rng.permutation(7)
-            first, before = tour[0], _length(tour, between, leaving)
+            first, before = tour[0], _length(tour, path_lengths, leaving)
             is_shorter = (
-                _move(tour, size, between, leaving) if size else _reverse(tour, between, leaving)
+                _move(tour, size, path_lengths, leaving)
+                if size
+                else _reverse(tour, path_lengths, leaving)
             )
-            after = _length(tour, between, leaving)
+            after = _length(tour, path_lengths, leaving)
             assert sorted(tour.tolist()) == list(range(7))
             assert tour[0] == first
             assert after < before if is_shorter else after == before

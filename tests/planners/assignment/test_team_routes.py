@@ -14,15 +14,15 @@ from multisrt.planners.assignment.team_routes import team_routes
 MEAN_WEIGHT = 0.1
 
 
-def length_of(route, ways, lengths, searches):
+def length_of(route, costs, lengths, searches):
     """Length of one route, from its definition: searches count by half before and after."""
     if not route:
         return 0.0
-    legs = [ways[route[0]], *(lengths[a][b] for a, b in itertools.pairwise(route))]
+    legs = [costs[route[0]], *(lengths[a][b] for a, b in itertools.pairwise(route))]
     return sum(legs) + sum(searches[k] for k in route) - searches[route[-1]] / 2.0
 
 
-def apart(places):
+def distances_of(places):
     step = places[:, None] - places
     return np.hypot(step[..., 0], step[..., 1])
 
@@ -52,19 +52,19 @@ def test_what_has_to_be_searched_longest_comes_last():
 
 def test_the_search_begins_with_the_goals():
     # Both robots are as near to both targets.
-    ways, lengths = np.full((2, 2), 5.0), [[0.0, 6.0], [6.0, 0.0]]
-    assert team_routes(ways, lengths, goals=[0, 1]).routes == ((0,), (1,))
-    assert team_routes(ways, lengths, goals=[1, 0]).routes == ((1,), (0,))
-    assert team_routes(ways, lengths, goals=[1, 1]).routes == ((1,), (0,))
+    costs, lengths = np.full((2, 2), 5.0), [[0.0, 6.0], [6.0, 0.0]]
+    assert team_routes(costs, lengths, goals=[0, 1]).routes == ((0,), (1,))
+    assert team_routes(costs, lengths, goals=[1, 0]).routes == ((1,), (0,))
+    assert team_routes(costs, lengths, goals=[1, 1]).routes == ((1,), (0,))
 
 
 def test_targets_without_a_path_are_left_out():
     inf = np.inf
-    ways = [[1.0, inf, 4.0], [inf, inf, 2.0]]
+    costs = [[1.0, inf, 4.0], [inf, inf, 2.0]]
     lengths = 3.0 - 3.0 * np.eye(3)
-    assert team_routes(ways, lengths).routes == ((0,), (2,))
-    assert team_routes(ways, lengths, goals=[1, 0]).routes == ((0,), (2,))
-    assert team_routes(ways, lengths).left_out == (1,)
+    assert team_routes(costs, lengths).routes == ((0,), (2,))
+    assert team_routes(costs, lengths, goals=[1, 0]).routes == ((0,), (2,))
+    assert team_routes(costs, lengths).left_out == (1,)
     assert team_routes([[inf, inf, inf]], lengths).routes == ((),)
     assert team_routes([[inf, inf, inf]], lengths).left_out == (0, 1, 2)
     nothing = team_routes(np.empty((2, 0)), np.empty((0, 0)))
@@ -86,11 +86,11 @@ def test_the_cost_is_the_longest_and_a_tenth_of_the_mean():
     assert found.cost_m == pytest.approx(45.0 + 0.1 * 32.5)
 
 
-def test_a_robot_gets_no_target_without_a_path_on_the_way_either():
+def test_a_robot_gets_no_target_without_a_path_between_others_either():
     # Robot 1 is on the line but may not go to target 1, which lies between the others.
     x = np.array([1.0, 2.0, 3.0])
-    ways = [np.hypot(x - 2.0, 20.0), np.where(x == 2.0, np.inf, x)]
-    found = team_routes(ways, np.abs(x[:, None] - x))
+    costs = [np.hypot(x - 2.0, 20.0), np.where(x == 2.0, np.inf, x)]
+    found = team_routes(costs, np.abs(x[:, None] - x))
     assert found.routes == ((1,), (0, 2))
 
 
@@ -110,18 +110,18 @@ def test_two_ends_of_a_line_are_shared():
 def test_every_target_is_on_one_route(robots, targets, seed):
     rng = np.random.default_rng(seed)
     places, starts = rng.uniform(0, 10, (targets, 2)), rng.uniform(0, 10, (robots, 2))
-    ways = np.hypot(*(starts[:, None] - places).transpose(2, 0, 1))
-    lengths, searches = apart(places), rng.uniform(0, 5, targets)
+    costs = np.hypot(*(starts[:, None] - places).transpose(2, 0, 1))
+    lengths, searches = distances_of(places), rng.uniform(0, 5, targets)
     goals = [int(rng.integers(targets)) if targets and rng.uniform() < 0.5 else None] * robots
-    found = team_routes(ways, lengths, goals=goals, service_lengths=searches)
+    found = team_routes(costs, lengths, goals=goals, service_lengths=searches)
     assert sorted(itertools.chain.from_iterable(found.routes)) == list(range(targets))
     assert found.lengths_m == pytest.approx(
         [
             length_of(route, row, lengths, searches)
-            for route, row in zip(found.routes, ways, strict=True)
+            for route, row in zip(found.routes, costs, strict=True)
         ]
     )
-    assert team_routes(ways, lengths, goals=goals, service_lengths=searches) == found
+    assert team_routes(costs, lengths, goals=goals, service_lengths=searches) == found
 
 
 def test_the_best_routes_of_small_teams_are_found():
@@ -129,17 +129,17 @@ def test_the_best_routes_of_small_teams_are_found():
     excess = []
     for _ in range(20):
         places, starts = rng.uniform(0, 10, (5, 2)), rng.uniform(0, 10, (2, 2))
-        ways = np.hypot(*(starts[:, None] - places).transpose(2, 0, 1))
-        lengths, searches = apart(places), rng.uniform(0, 3, 5)
+        costs = np.hypot(*(starts[:, None] - places).transpose(2, 0, 1))
+        lengths, searches = distances_of(places), rng.uniform(0, 3, 5)
         best = np.inf
         for order in itertools.permutations(range(5)):
             for cut in range(6):
                 both = [
                     length_of(part, row, lengths, searches)
-                    for part, row in zip((order[:cut], order[cut:]), ways, strict=True)
+                    for part, row in zip((order[:cut], order[cut:]), costs, strict=True)
                 ]
                 best = min(best, max(both) + MEAN_WEIGHT * float(np.mean(both)))
-        own = team_routes(ways, lengths, service_lengths=searches).lengths_m
+        own = team_routes(costs, lengths, service_lengths=searches).lengths_m
         excess.append((max(own) + MEAN_WEIGHT * float(np.mean(own))) / best)
     assert min(excess) > 1.0 - 1e-9
     assert np.median(excess) < 1.0 + 1e-9
@@ -149,7 +149,7 @@ def test_the_best_routes_of_small_teams_are_found():
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        ({"lengths": np.zeros((2, 3))}, "lengths has the shape"),
+        ({"path_lengths": np.zeros((2, 3))}, "path_lengths has the shape"),
         ({"costs": np.empty((0, 2))}, "costs"),
         ({"service_lengths": [1.0]}, "service_lengths has the shape"),
         ({"service_lengths": [1.0, -1.0]}, "service_lengths"),
@@ -160,6 +160,6 @@ def test_the_best_routes_of_small_teams_are_found():
     ],
 )
 def test_bad_tables_are_refused(given, message):
-    tables: dict[str, Any] = {"costs": [[1.0, 2.0]], "lengths": np.zeros((2, 2))}
+    tables: dict[str, Any] = {"costs": [[1.0, 2.0]], "path_lengths": np.zeros((2, 2))}
     with pytest.raises(InvalidInputError, match=message):
         team_routes(**(tables | given))

@@ -12,7 +12,7 @@ from multisrt.planners.assignment.utility import overlap, utility
 INF = np.inf
 
 
-def naive(costs, between, visible, overlap_m, beta):
+def naive(costs, distances, visible, overlap_m, beta):
     # The equations with loops; of equal values the nearer, then the lower robot and target.
     robots, targets = len(costs), len(costs[0])
     finite = [cost for row in costs for cost in row if cost < INF]
@@ -31,7 +31,7 @@ def naive(costs, between, visible, overlap_m, beta):
         left.remove(i)
         for other in range(targets):
             if other == t or visible[t][other]:
-                distance = between[t][other]
+                distance = distances[t][other]
                 if distance < overlap_m:
                     worth[other] -= 1.0 - distance / overlap_m
     return got
@@ -46,9 +46,9 @@ def situations(draw):
         )
     )
     places = draw(arrays(float, (targets, 2), elements=st.integers(0, 12)))
-    between = np.hypot(*(places[:, None] - places).transpose(2, 0, 1))
+    distances = np.hypot(*(places[:, None] - places).transpose(2, 0, 1))
     visible = draw(arrays(bool, (targets, targets)))
-    return costs, between, visible | visible.T
+    return costs, distances, visible | visible.T
 
 
 def test_a_target_in_sight_of_an_assigned_one_loses_utility():
@@ -56,8 +56,8 @@ def test_a_target_in_sight_of_an_assigned_one_loses_utility():
     # cost is 10. Round 1: robot 0, target 0: 1 - 0.2 is the maximum. Then U_0 = 1 - 1 = 0 and
     # U_1 = 1 - (1 - 2 / 8) = 0.25. For robot 1: 0 - 0.3, 0.25 - 0.4 and 1 - 1.0: target 2.
     costs = [[2.0, 3.0, 9.0], [3.0, 4.0, 10.0]]
-    between = [[0.0, 2.0, 30.0], [2.0, 0.0, 30.0], [30.0, 30.0, 0.0]]
-    given_ = utility(costs, between, np.ones((3, 3), bool), 8.0)
+    distances = [[0.0, 2.0, 30.0], [2.0, 0.0, 30.0], [30.0, 30.0, 0.0]]
+    given_ = utility(costs, distances, np.ones((3, 3), bool), 8.0)
     assert given_.assignment.tolist() == [0, 2]
     assert given_.rounds == ((0, 0, 1.0, 0.2), (1, 2, 1.0, 1.0))
 
@@ -65,8 +65,8 @@ def test_a_target_in_sight_of_an_assigned_one_loses_utility():
 def test_a_target_behind_a_wall_keeps_its_utility():
     # As above, but 0 and 1 do not see each other: robot 1 gets 1 - 0.4 for target 1.
     costs = [[2.0, 3.0, 9.0], [3.0, 4.0, 10.0]]
-    between = [[0.0, 2.0, 30.0], [2.0, 0.0, 30.0], [30.0, 30.0, 0.0]]
-    given_ = utility(costs, between, np.zeros((3, 3), bool), 8.0)
+    distances = [[0.0, 2.0, 30.0], [2.0, 0.0, 30.0], [30.0, 30.0, 0.0]]
+    given_ = utility(costs, distances, np.zeros((3, 3), bool), 8.0)
     assert given_.assignment.tolist() == [0, 1]
     assert given_.rounds == ((0, 0, 1.0, 0.2), (1, 1, 1.0, 0.4))
 
@@ -95,31 +95,31 @@ def test_robots_that_reach_no_target_get_none():
 
 @given(situations(), st.sampled_from([0.0, 0.5, 1.0, 3.0]))
 def test_assignment_follows_the_equations(situation, beta):
-    costs, between, visible = situation
-    given_ = utility(costs, between, visible, 8.0, beta)
-    expected = naive(costs.tolist(), between.tolist(), visible.tolist(), 8.0, beta)
+    costs, distances, visible = situation
+    given_ = utility(costs, distances, visible, 8.0, beta)
+    expected = naive(costs.tolist(), distances.tolist(), visible.tolist(), 8.0, beta)
     assert given_.assignment.tolist() == expected
 
 
 @pytest.mark.slow
 @given(situations(), st.randoms(use_true_random=False))
 def test_order_of_robots_and_targets_does_not_matter(situation, random):
-    costs, between, visible = situation
+    costs, distances, visible = situation
     # No ties: no two costs are equal, and no two differ by a reduction of utility.
     costs = costs + np.sqrt(np.arange(2, costs.size + 2)).reshape(costs.shape) / 100
     rows, columns = ([*range(size)] for size in costs.shape)
     random.shuffle(rows)
     random.shuffle(columns)
     both = np.ix_(columns, columns)
-    straight = utility(costs, between, visible, 8.0).assignment
-    shuffled = utility(costs[np.ix_(rows, columns)], between[both], visible[both], 8.0).assignment
+    straight = utility(costs, distances, visible, 8.0).assignment
+    shuffled = utility(costs[np.ix_(rows, columns)], distances[both], visible[both], 8.0).assignment
     assert [columns[t] if t >= 0 else -1 for t in shuffled] == straight[rows].tolist()
 
 
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"between": [[0.0, 1.0]]}, r"between has the shape \(1, 2\); for 1 targets"),
+        ({"distances": [[0.0, 1.0]]}, r"distances has the shape \(1, 2\); for 1 targets"),
         ({"visible": np.ones((2, 2), bool)}, "visible has the shape"),
         ({"overlap_m": 0.0}, "overlap_m is 0.0; it must be positive"),
         ({"beta": -1.0}, "beta is -1.0; it must be 0 or more"),
@@ -128,16 +128,16 @@ def test_order_of_robots_and_targets_does_not_matter(situation, random):
     ],
 )
 def test_invalid_input_is_rejected(change, message):
-    good = {"costs": [[1.0]], "between": [[0.0]], "visible": [[True]], "overlap_m": 8.0}
+    good = {"costs": [[1.0]], "distances": [[0.0]], "visible": [[True]], "overlap_m": 8.0}
     with pytest.raises(InvalidInputError, match=message):
         utility(**(good | change))
 
 
 def test_goals_that_others_keep_lower_the_utility():
-    costs, between, visible = [[2.0, 3.0]], np.zeros((2, 2)), np.ones((2, 2), bool)
-    assert utility(costs, between, visible, 8.0).assignment.tolist() == [0]
+    costs, distances, visible = [[2.0, 3.0]], np.zeros((2, 2)), np.ones((2, 2), bool)
+    assert utility(costs, distances, visible, 8.0).assignment.tolist() == [0]
     lost = overlap([[0.0, 6.0]], [[True, True]], 8.0).sum(axis=0)
     assert lost.tolist() == [1.0, 0.25]
-    given = utility(costs, between, visible, 8.0, worth=1.0 - lost)
+    given = utility(costs, distances, visible, 8.0, worth=1.0 - lost)
     assert given.assignment.tolist() == [1]
     assert given.rounds == ((0, 1, 0.75, 1.0),)

@@ -147,12 +147,12 @@ def test_of_raised_flags_the_lowest_number_leads():
 
 
 def test_a_path_that_leads_away_is_free():
-    mate = Configuration(0.0, 0.5)
-    assert not stands_in_the_way(np.array([[0.0, 0.0], [5.0, 0.0]]), mate, 0.6)
-    assert not stands_in_the_way(np.array([[0.0, 0.0]]), mate, 0.6)
-    assert stands_in_the_way(np.array([[-0.2, 0.0], [5.0, 0.0]]), mate, 0.6)
-    assert not stands_in_the_way(np.array([[-5.0, 0.0], [5.0, 0.0]]), mate, 0.6, within_m=4.6)
-    assert stands_in_the_way(np.array([[-5.0, 0.0], [5.0, 0.0]]), mate, 0.6, within_m=4.7)
+    teammate = Configuration(0.0, 0.5)
+    assert not stands_in_the_way(np.array([[0.0, 0.0], [5.0, 0.0]]), teammate, 0.6)
+    assert not stands_in_the_way(np.array([[0.0, 0.0]]), teammate, 0.6)
+    assert stands_in_the_way(np.array([[-0.2, 0.0], [5.0, 0.0]]), teammate, 0.6)
+    assert not stands_in_the_way(np.array([[-5.0, 0.0], [5.0, 0.0]]), teammate, 0.6, within_m=4.6)
+    assert stands_in_the_way(np.array([[-5.0, 0.0], [5.0, 0.0]]), teammate, 0.6, within_m=4.7)
 
 
 def test_place_aside_is_the_nearest_off_the_path():
@@ -211,7 +211,7 @@ def test_robots_that_see_each_other_do_not_all_wait(team):
     rulings = {}
     for _ in range(3):
         for k in active:
-            others = [mate for mate in team if mate is not team[k]]
+            others = [teammate for teammate in team if teammate is not team[k]]
             rulings[k] = right_of_way(team[k], others, CONFLICT_M, margin_m=0.1)
             team[k] = changed(team[k], leader=rulings[k].leader)
     assert all(k not in waits_for for k, (_, waits_for) in rulings.items())

@@ -67,8 +67,8 @@ def at(distance: float, degrees: float) -> Configuration:
 
 def test_robots_in_the_sector_are_found():
     robot = Configuration(0.0, 0.0, math.pi)
-    mates = [at(2, 180), at(2, -166), at(2, 164), at(3.1, 180), at(2, 0), at(3, 180)]
-    found = [is_in_sector(robot, mate, 3.0) for mate in mates]
+    teammates = [at(2, 180), at(2, -166), at(2, 164), at(3.1, 180), at(2, 0), at(3, 180)]
+    found = [is_in_sector(robot, teammate, 3.0) for teammate in teammates]
     assert found == [True, True, False, False, False, True]
 
 

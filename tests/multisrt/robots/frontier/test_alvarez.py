@@ -78,7 +78,7 @@ def report_of(robot, aim=None):
 
 def tell(robot, *reports):
     for report in reports:
-        robot.team.mates.take(report)
+        robot.team.teammates.take(report)
 
 
 # The map as cells ------------------------------------------------------------------------------
@@ -280,9 +280,9 @@ def test_a_place_reached_in_vain_is_reported_and_given_up(acts_of):
     (message,) = told
     assert isinstance(message, InaccessibleMessage)
     assert message.tried == (first.place,)
-    mate = robot_in(HALL, 15, 5, number=1, team=2)
-    acts_of(mate.team._take_message(message))
-    assert list(mate.team.cells.tried) == [first.place]
+    teammate = robot_in(HALL, 15, 5, number=1, team=2)
+    acts_of(teammate.team._take_message(message))
+    assert list(teammate.team.cells.tried) == [first.place]
 
 
 def test_a_place_to_which_this_robot_finds_no_way_is_left_to_the_others(acts_of):
@@ -377,12 +377,12 @@ def test_a_robot_faces_along_its_path():
     assert facing(at, np.array([[1.0, 1.0]])) == at
 
 
-def test_a_mate_that_was_not_heard_of_is_inactive():
+def test_a_teammate_that_was_not_heard_of_is_inactive():
     robot = robot_in(HALL, 15, 5, team=2)
-    mate = robot_in(HALL, 17, 5, number=1, team=2)
-    sighting = Sighting(robot=1, configuration=mate.at, footprint=mate.me.footprint)
+    teammate = robot_in(HALL, 17, 5, number=1, team=2)
+    sighting = Sighting(robot=1, configuration=teammate.at, footprint=teammate.me.footprint)
     assert as_party(robot, sighting).inactive
-    tell(robot, report_of(mate, aim=(20.25, 5.25)))
+    tell(robot, report_of(teammate, aim=(20.25, 5.25)))
     assert not as_party(robot, sighting).inactive
 
 

@@ -288,7 +288,7 @@ def goal_at(x):
 def test_the_front_calls_the_nearest_and_lets_go_who_is_not_needed():
     front = member(0)
     for number, x in ((1, 4.0), (2, 5.0)):
-        front.team.mates.take(report_of(front, number, (x, 1.2)))
+        front.team.teammates.take(report_of(front, number, (x, 1.2)))
     chain = front.homing.chain
     assert chain.is_front
     # To x = 24, 23 m from the base station: relays at 10 and 19, of which robot 2 is nearest to the
@@ -309,10 +309,10 @@ def test_the_front_calls_the_nearest_and_lets_go_who_is_not_needed():
 
 def test_the_goal_that_relays_were_called_for_is_kept_until_they_are_there():
     front = member(0)
-    mates, chain = front.team.mates, front.homing.chain
+    teammates, chain = front.team.teammates, front.homing.chain
     for number, x in ((1, 4.0), (2, 5.0)):
-        mates.take(report_of(front, number, (x, 1.2)))
-        mates.heard_s[number] = front.time_s
+        teammates.take(report_of(front, number, (x, 1.2)))
+        teammates.heard_s[number] = front.time_s
     goal = goal_at(24.0)
     assert chain.take_called_for() is None
     assert chain.call(goal) is not None
@@ -321,12 +321,12 @@ def test_the_goal_that_relays_were_called_for_is_kept_until_they_are_there():
     assert chain.call(goal) is not None
     for said, link in enumerate(front.team.links, 1):
         arrived = report_of(front, link.robot, link.place)
-        mates.take(msgspec.structs.replace(arrived, said=said))
+        teammates.take(msgspec.structs.replace(arrived, said=said))
     assert chain.take_called_for() == goal.place
     assert chain.take_called_for() is None
     # Who lets its relays go has no goal to keep.
     away = report_of(front, 1, (4.0, 1.2))
-    mates.take(msgspec.structs.replace(away, said=3))
+    teammates.take(msgspec.structs.replace(away, said=3))
     assert chain.call(goal) is not None
     chain.let_go()
     assert chain.take_called_for() is None
@@ -334,13 +334,13 @@ def test_the_goal_that_relays_were_called_for_is_kept_until_they_are_there():
 
 def test_the_front_goes_where_its_relays_are_enough_for():
     front = member(0)
-    front.team.mates.take(report_of(front, 1, (4.0, 1.2)))
+    front.team.teammates.take(report_of(front, 1, (4.0, 1.2)))
     places = np.array([(9.0, 1.2), (18.0, 1.2), (20.0, 1.2)])
     costs = np.array([6.0, 15.0, 17.0])
     # One relay: 9 m, and 9 m more.
     found = front.homing.chain.only_in_reach(places, costs)
     assert np.isfinite(found).tolist() == [True, True, False]
-    front.team.mates.note_lost(1, 1.0)
+    front.team.teammates.note_lost(1, 1.0)
     found = front.homing.chain.only_in_reach(places, costs)
     assert np.isfinite(found).tolist() == [True, False, False]
 
@@ -351,7 +351,7 @@ def test_the_others_go_where_the_base_station_or_a_relay_hears_them():
     places = np.array([(9.0, 1.2), (18.0, 1.2), (20.0, 1.2)])
     costs = np.array([6.0, 15.0, 17.0])
     for links, reached in (((), [True, False, False]), ((link,), [True, True, False])):
-        other.team.mates.take(report_of(other, 0, (12.0, 1.2), links))
+        other.team.teammates.take(report_of(other, 0, (12.0, 1.2), links))
         found = other.homing.chain.only_in_reach(places, costs)
         assert np.isfinite(found).tolist() == reached
 
@@ -374,7 +374,7 @@ def test_a_relay_stops_when_it_is_called_and_when_it_is_let_go():
 def test_who_does_not_hear_the_front_for_long_takes_it_as_lost():
     relay = member(1)
     link = ChainLink(robot=1, place=(10.0, 1.2))
-    relay.team.mates.take(report_of(relay, 0, (12.0, 1.2), (link,)))
+    relay.team.teammates.take(report_of(relay, 0, (12.0, 1.2), (link,)))
     chain = relay.homing.chain
     errand = chain.follow()
     assert errand.waits_until_s(10.0) == 40.0
@@ -388,13 +388,13 @@ def test_who_does_not_hear_the_front_for_long_takes_it_as_lost():
 
 def test_a_robot_that_is_late_three_times_is_not_called_again():
     front = member(0)
-    front.team.mates.take(report_of(front, 1, (4.0, 1.2)))
+    front.team.teammates.take(report_of(front, 1, (4.0, 1.2)))
     chain = front.homing.chain
     for late in range(1, 4):
         assert front.homing.fits(front.course, goal_at(15.0)), late
         assert chain.call(goal_at(15.0)) is not None
         # It was heard, and is not lost.
-        assert chain.note_in_vain() == []
+        assert chain.note_missed() == []
     assert not front.homing.fits(front.course, goal_at(15.0))
     assert front.homing.fits(front.course, goal_at(8.0))
 
@@ -440,7 +440,7 @@ def test_a_front_with_nothing_to_do_passes_the_front_on():
 
 def test_who_stands_by_takes_a_front_as_lost_that_called_nobody():
     other = member(1)
-    other.team.mates.take(report_of(other, 0, (12.0, 1.2)))
+    other.team.teammates.take(report_of(other, 0, (12.0, 1.2)))
     chain = other.homing.chain
     errand = chain.stand_by()
     assert errand.waits_until_s(0.0) == 30.0
@@ -454,7 +454,7 @@ def test_who_stands_by_takes_a_front_as_lost_that_called_nobody():
 def test_a_relay_that_does_not_get_to_its_place_gives_an_unheard_front_up():
     relay = member(1)
     link = ChainLink(robot=1, place=(10.0, 1.2))
-    relay.team.mates.take(report_of(relay, 0, (12.0, 1.2), (link,)))
+    relay.team.teammates.take(report_of(relay, 0, (12.0, 1.2), (link,)))
     chain = relay.homing.chain
     for time_s, stays in ((0.0, False), (299.0, False), (301.0, True)):
         relay.course.time_s = time_s
@@ -525,7 +525,7 @@ def test_relays_stay_that_hear_a_goal_to_which_there_are_too_few_on_the_way():
     for k, (x, y) in enumerate(seen_from):
         robot.map.add(take_scan(index, Configuration(float(x), float(y), 0.0), float(k), 8.0))
     relay, place = (8.0, 18.0), (14.0, 5.0)
-    robot.team.mates.take(report_of(robot, 1, relay))
+    robot.team.teammates.take(report_of(robot, 1, relay))
     assert robot.homing is not None
     chain = robot.homing.chain
     assert chain is not None
@@ -540,7 +540,7 @@ def test_relays_stay_that_hear_a_goal_to_which_there_are_too_few_on_the_way():
 def test_a_relay_whose_path_was_barred_goes_once_it_is_free():
     relay = member(1)
     link = ChainLink(robot=1, place=(10.0, 1.2))
-    relay.team.mates.take(report_of(relay, 0, (12.0, 1.2), (link,)))
+    relay.team.teammates.take(report_of(relay, 0, (12.0, 1.2), (link,)))
     barring = Sighting(
         robot=2, configuration=Configuration(6.5, 1.2, 0.0), footprint=Footprint.disc(0.9)
     )

@@ -203,7 +203,7 @@ def test_a_car_always_has_a_free_exit(kind, monkeypatch):
     assert len(looked) > 20
 
 
-def robot_in(world, x, y, kind="reeds-shepp", mates=0):
+def robot_in(world, x, y, kind="reeds-shepp", teammates=0):
     """A robot that has looked round once."""
     me = RobotSelf(
         robot=0,
@@ -212,7 +212,7 @@ def robot_in(world, x, y, kind="reeds-shepp", mates=0):
         kinematics=Car(turning_radius_m=RADIUS_M, reverse=kind == "reeds-shepp"),
         range_m=4.0,
         rng=np.random.default_rng(1),
-        team=1 + mates,
+        team=1 + teammates,
     )
     robot = FrontierRobot(me, FrontierOptions())
     rings = shapely.get_rings(shapely.get_parts(world.free))
@@ -306,11 +306,11 @@ def test_a_car_makes_room_along_its_exit(kind):
 
 
 def test_a_car_drives_round_bodies_beside_its_path_only():
-    robot = robot_in(HALL, 2.0, 3.0, mates=1)
+    robot = robot_in(HALL, 2.0, 3.0, teammates=1)
     disc = Footprint.parse("disc:0.25")
     around = [(2.0, 3.0), (3.0, 4.2), (4.5, 3.0)]
-    mate = Sighting(robot=1, configuration=Configuration(3.2, 3.0, 0.0), footprint=disc)
-    solid = disc.placed(mate.configuration)
+    teammate = Sighting(robot=1, configuration=Configuration(3.2, 3.0, 0.0), footprint=disc)
+    solid = disc.placed(teammate.configuration)
 
     def nearest_m(motion):
         times = np.linspace(0.0, motion.duration_s, 200)
@@ -318,9 +318,9 @@ def test_a_car_drives_round_bodies_beside_its_path_only():
 
     assert nearest_m(motion_along(robot, around)) == 0.0
     robot.car = new_driver(robot)
-    assert nearest_m(motion_along(robot, around, [mate])) >= robot.options.guard_m
+    assert nearest_m(motion_along(robot, around, [teammate])) >= robot.options.guard_m
     robot.car = new_driver(robot)
-    assert nearest_m(motion_along(robot, [around[0], around[-1]], [mate])) == 0.0
+    assert nearest_m(motion_along(robot, [around[0], around[-1]], [teammate])) == 0.0
 
 
 def test_motions_that_lead_no_nearer_are_given_up():

@@ -68,13 +68,13 @@ def self_at(x, y, *, number=0, team=1):
     )
 
 
-def robot_at(places, mates=(), options=None):
+def robot_at(places, teammates=(), options=None):
     """A robot at the first of some places from all of which it has seen the plaza."""
-    me = self_at(*places[0], team=1 + len(mates))
+    me = self_at(*places[0], team=1 + len(teammates))
     robot = FrontierRobot(me, options or FrontierOptions())
     paint(robot, places)
-    for number, place in enumerate(mates, start=1):
-        robot.team.mates.take(report_of(number, place))
+    for number, place in enumerate(teammates, start=1):
+        robot.team.teammates.take(report_of(number, place))
     return robot
 
 
@@ -120,7 +120,7 @@ def places_drawn(seed, count):
 
 
 def situation(seed):
-    """A robot that knows part of the plaza, and up to three mates in it."""
+    """A robot that knows part of the plaza, and up to three teammates in it."""
     places = places_drawn(seed, 3 + seed % 5)
     return partial(robot_at, places, places[1 : 1 + seed % 4])
 
@@ -212,9 +212,9 @@ def team_at(places, members):
     for number, place in enumerate(members):
         robot = FrontierRobot(self_at(*place, number=number, team=len(members)), FrontierOptions())
         paint(robot, places)
-        for mate, other in enumerate(members):
-            if mate != number:
-                robot.team.mates.take(report_of(mate, other))
+        for teammate, other in enumerate(members):
+            if teammate != number:
+                robot.team.teammates.take(report_of(teammate, other))
         team.append(robot)
     return team
 
@@ -255,12 +255,12 @@ def test_minpos_records_the_positions_that_it_counted(only_choice):
         assert ranks[number, choice] == ranks[number, worked].min()
 
 
-def test_idle_and_long_silent_mates_do_not_count():
+def test_idle_and_long_silent_teammates_do_not_count():
     places = places_drawn(3, 4)
     robot = robot_at(places, places[1:3])
     assert full_table(robot).robots == (0, 1, 2)
     robot.course.time_s = robot.options.lost_after_s + 1.0
-    robot.team.mates.heard_s[2] = robot.course.time_s
+    robot.team.teammates.heard_s[2] = robot.course.time_s
     assert full_table(robot).robots == (0, 2)
 
 
@@ -271,9 +271,9 @@ def test_robots_whose_goal_is_explored_get_a_stop_signal(acts_of):
     robot = robot_at([(3, 7), (6, 7)], [(10, 10)], SelfBiddingOptions())
     (edge, *_) = robot.targets().tolist()
     for goal in (None, tuple(edge), (25.0, 1.0)):
-        robot.team.mates.reports[1] = report_of(1, (10, 10), goal)
+        robot.team.teammates.reports[1] = report_of(1, (10, 10), goal)
         assert acts_of(send_stop_signals(robot))[0] == []
-    robot.team.mates.reports[1] = report_of(1, (10, 10), (4.0, 7.0))
+    robot.team.teammates.reports[1] = report_of(1, (10, 10), (4.0, 7.0))
     acts, _ = acts_of(send_stop_signals(robot))
     assert acts == [Send(StopMessage(sender=0, goal=(4.0, 7.0)), 1)]
     assert acts_of(send_stop_signals(robot))[0] == []  # once is enough
@@ -281,8 +281,8 @@ def test_robots_whose_goal_is_explored_get_a_stop_signal(acts_of):
 
 def test_the_robot_that_explored_a_goal_sends_the_signal(acts_of):
     robot = robot_at([(3, 7)], [(3, 12)], SelfBiddingOptions())
-    robot.team.mates.reports[1] = report_of(1, (3, 12), tuple(robot.targets()[0].tolist()))
-    (x, y) = goal = robot.team.mates.reports[1].goal
+    robot.team.teammates.reports[1] = report_of(1, (3, 12), tuple(robot.targets()[0].tolist()))
+    (x, y) = goal = robot.team.teammates.reports[1].goal
     assert acts_of(send_stop_signals(robot))[0] == []
     paint(robot, [(x, y)])
     assert not robot.is_frontier(*goal)
@@ -294,7 +294,7 @@ def test_the_robot_that_explored_a_goal_sends_the_signal(acts_of):
 
 def test_without_stop_signals_none_is_sent(acts_of):
     robot = robot_at([(3, 7), (6, 7)], [(10, 10)], SelfBiddingOptions(stop_signals=False))
-    robot.team.mates.reports[1] = report_of(1, (10, 10), (4.0, 7.0))
+    robot.team.teammates.reports[1] = report_of(1, (10, 10), (4.0, 7.0))
     assert acts_of(send_stop_signals(robot))[0] == []
     assert acts_of(send_last_stop_signal(robot))[0] == []
 
@@ -398,9 +398,9 @@ def test_a_goal_that_another_has_is_worth_less(acts_of):
         return given
 
     # Robot 2 has a goal: it does not ask.
-    robot.team.mates.reports[2] = report_of(2, (7, 10), (1.0, 1.0))
+    robot.team.teammates.reports[2] = report_of(2, (7, 10), (1.0, 1.0))
     first = goal_given()
-    robot.team.mates.reports[2] = report_of(2, (7, 10), first.goal)
+    robot.team.teammates.reports[2] = report_of(2, (7, 10), first.goal)
     second = goal_given()
     assert second.goal != first.goal or second.utility == 0.0
 

@@ -78,7 +78,7 @@ def test_the_decisions_are_recorded_and_explained(run):
     assert area > 0.0
     assert value > 0.0
     text = explain(run.recording, robot, taken.time_s)
-    assert "the most area to be seen for its way" in text
+    assert "the largest area to be seen for its cost" in text
     assert f"robot {robot} got frontier {target}, " in text
     assert f": {area:.1f} m2, value {value:.3g}\n" in text
 

@@ -304,7 +304,8 @@ def test_bodies_in_the_way_do_not_change_ways_home_that_are_kept():
     with robot.around_bodies():
         robot.fitting_costs(robot.own_field(), robot.targets())
     # From x = 15 to x = 3.5, as if the body were not there: it may leave.
-    assert robot.homing._ways.lengths(np.array([(15.05, 0.65)]))[0] == pytest.approx(11.5, abs=0.3)
+    lengths = robot.homing._home_paths.lengths(np.array([(15.05, 0.65)]))
+    assert lengths[0] == pytest.approx(11.5, abs=0.3)
 
 
 def test_the_others_are_assigned_what_this_robot_has_no_time_for():
@@ -313,7 +314,9 @@ def test_the_others_are_assigned_what_this_robot_has_no_time_for():
     robot.course.time_s = 34.0
     report = robot.team.own_report()
     place = (18.0, 0.6, 0.0)
-    robot.team.mates.take(msgspec.structs.replace(report, robot=1, place=place, phase="driving"))
+    robot.team.teammates.take(
+        msgspec.structs.replace(report, robot=1, place=place, phase="driving")
+    )
     costs = WavefrontCosts(robot)
     [late] = [k for k, (x, _) in enumerate(costs.targets.tolist()) if x > 20.0]
     frontiers = np.arange(len(costs.targets))

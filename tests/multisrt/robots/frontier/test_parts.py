@@ -1,4 +1,4 @@
-"""The parts of a robot, each by itself: course, map, fields, targets, bodies, mates."""
+"""The parts of a robot, each by itself: course, map, fields, targets, bodies, teammates."""
 
 import itertools
 import math
@@ -287,39 +287,39 @@ def report(robot=1, said=1, time_s=0.0, phase="driving"):
     )
 
 
-def test_the_latest_report_of_each_mate_counts():
-    mates = Teammates(0, lost_after_s=15.0, relay_for_s=15.0)
+def test_the_latest_report_of_each_teammate_counts():
+    teammates = Teammates(0, lost_after_s=15.0, relay_for_s=15.0)
     for said in (2, 1):
-        mates.take(report(said=said, time_s=float(said)))
-    mates.take(report(robot=0))
-    assert [(r.robot, r.said) for r in mates.present(5.0)] == [(1, 2)]
-    assert mates.last_heard_s(1) == 2.0
-    assert mates.present(20.0) == []
+        teammates.take(report(said=said, time_s=float(said)))
+    teammates.take(report(robot=0))
+    assert [(r.robot, r.said) for r in teammates.present(5.0)] == [(1, 2)]
+    assert teammates.last_heard_s(1) == 2.0
+    assert teammates.present(20.0) == []
 
 
-def test_a_mate_is_lost_after_long_silence_or_when_it_is_met_and_does_not_answer():
-    mates = Teammates(0, lost_after_s=600.0, relay_for_s=15.0)
-    mates.take(report(said=1, time_s=0.0))
-    assert [r.robot for r in mates.present(600.0)] == [1]
-    assert mates.present(600.1) == []
-    assert [r.robot for r in mates.worth_relaying(15.0)] == [1]
-    assert mates.worth_relaying(15.1) == []
-    mates.note_lost(1, 20.0)
-    assert mates.present(20.0) == []
-    mates.take(report(said=2, time_s=30.0))
-    assert [r.said for r in mates.present(30.0)] == [2]
+def test_a_teammate_is_lost_after_long_silence_or_when_it_is_met_and_does_not_answer():
+    teammates = Teammates(0, lost_after_s=600.0, relay_for_s=15.0)
+    teammates.take(report(said=1, time_s=0.0))
+    assert [r.robot for r in teammates.present(600.0)] == [1]
+    assert teammates.present(600.1) == []
+    assert [r.robot for r in teammates.worth_relaying(15.0)] == [1]
+    assert teammates.worth_relaying(15.1) == []
+    teammates.note_lost(1, 20.0)
+    assert teammates.present(20.0) == []
+    teammates.take(report(said=2, time_s=30.0))
+    assert [r.said for r in teammates.present(30.0)] == [2]
 
 
-def test_idle_mates_are_not_present():
-    mates = Teammates(0, lost_after_s=15.0, relay_for_s=15.0)
-    mates.take(report(phase="idle"))
-    assert mates.present(0.0) == []
+def test_idle_teammates_are_not_present():
+    teammates = Teammates(0, lost_after_s=15.0, relay_for_s=15.0)
+    teammates.take(report(phase="idle"))
+    assert teammates.present(0.0) == []
 
 
-def test_a_mate_is_deaf_until_it_is_heard_of():
-    mates = Teammates(0, lost_after_s=15.0, relay_for_s=15.0)
-    mates.note_deaf(1, 3.0)
-    assert mates.is_deaf(1)
-    mates.take(report(time_s=4.0))
-    assert not mates.is_deaf(1)
-    assert not mates.is_deaf(2)
+def test_a_teammate_is_deaf_until_it_is_heard_of():
+    teammates = Teammates(0, lost_after_s=15.0, relay_for_s=15.0)
+    teammates.note_deaf(1, 3.0)
+    assert teammates.is_deaf(1)
+    teammates.take(report(time_s=4.0))
+    assert not teammates.is_deaf(1)
+    assert not teammates.is_deaf(2)

@@ -1,4 +1,4 @@
-"""Ways of robots to frontiers as `gain` and `routes` count them, on a robot's own map."""
+"""Costs of robots to frontiers for `gain` and `routes`, on a robot's own map."""
 
 import math
 from types import SimpleNamespace
@@ -18,7 +18,7 @@ def robot_at(place: tuple[float, float, float], **others: Any) -> Any:
         me=SimpleNamespace(robot=0, range_m=4.0),
         at=place,
         options=SimpleNamespace(saves_turns=others.pop("saves_turns", False)),
-        team=SimpleNamespace(mates=SimpleNamespace(reports=others.pop("reports", {}))),
+        team=SimpleNamespace(teammates=SimpleNamespace(reports=others.pop("reports", {}))),
         **others,
     )
 
@@ -58,15 +58,15 @@ def test_present_goals_are_targets_near_by():
 
 
 def test_lengths_among_targets_lie_between_their_bounds():
-    # A wall without a gap in reach: the way leads past the robot, 30 cells and 20 cells away.
+    # A wall without a gap in reach: the path leads past the robot, 30 cells and 20 cells away.
     passable = np.ones((20, 90), bool)
     passable[:, 40:45] = False
     raster = SimpleNamespace(cell_m=CELL_M, passable=passable)
     cells = np.array([[10, 10], [10, 34], [10, 60]])
     robot = robot_at((0.0, 0.0, 0.0), raster=raster, indices_of=lambda _: cells)
     targets = cells[:, ::-1] * CELL_M
-    euclidean = np.hypot(*(targets[:, None] - targets).transpose(2, 0, 1))
-    found = lengths_among(robot, targets, np.array([3.0, 2.0, 9.0]), euclidean)
+    distances = np.hypot(*(targets[:, None] - targets).transpose(2, 0, 1))
+    found = lengths_among(robot, targets, np.array([3.0, 2.0, 9.0]), distances)
     assert found[0, 1] == pytest.approx(2.4)
     assert found[0, 2] == 12.0
     assert found[1, 2] == 11.0

@@ -1,4 +1,4 @@
-"""Robots that go after a mate out of touch: in a corridor, with answers worked out by hand."""
+"""Robots that go after a teammate out of touch: in a corridor, with answers worked out by hand."""
 
 import math
 import re
@@ -73,7 +73,7 @@ def hear(robot, *, time_s=0.0, nodes=1, place=(22.0, 0.6), goal=(24.0, 0.6), pha
         remaining_m=0.0 if goal is None else math.dist(place, goal),
         have=((0, nodes, 0),),
     )
-    robot.team.mates.take(said)
+    robot.team.teammates.take(said)
 
 
 def pursued(robot) -> Any:
@@ -85,7 +85,7 @@ def lengths_of(errand):
     return [float(found) for found in re.findall(r"([\d.]+) m", errand.why)]
 
 
-def test_a_mate_that_can_take_one_end_is_pursued_to_where_it_goes():
+def test_a_teammate_that_can_take_one_end_is_pursued_to_where_it_goes():
     robot = robot_at_20()
     hear(robot)
     errand = pursued(robot)
@@ -130,10 +130,10 @@ def test_who_knows_or_hears_is_not_pursued(heard):
     assert errand_now(robot) is None
 
 
-def test_a_mate_that_is_lost_is_not_pursued():
+def test_a_teammate_that_is_lost_is_not_pursued():
     robot = robot_at_20()
     hear(robot)
-    robot.team.mates.note_lost(1, 5.0)
+    robot.team.teammates.note_lost(1, 5.0)
     assert errand_now(robot) is None
 
 
@@ -143,14 +143,14 @@ def test_without_the_option_nobody_is_pursued():
     assert FrontierRobot(me, options).pursuit is None
 
 
-def test_a_mate_that_stands_is_pursued_to_where_it_stands():
+def test_a_teammate_that_stands_is_pursued_to_where_it_stands():
     robot = robot_at_20()
     hear(robot, place=(26.0, 0.6), goal=None, phase="idle")
     errand = pursued(robot)
     assert errand.goal.place == pytest.approx((26.0, 0.6), abs=0.1)
 
 
-def test_a_pursuit_is_over_once_the_mate_has_what_was_known():
+def test_a_pursuit_is_over_once_the_teammate_has_what_was_known():
     robot = robot_at_20()
     hear(robot)
     errand = pursued(robot)
@@ -174,7 +174,7 @@ def test_the_same_pursuit_goes_on_after_an_interruption():
     assert errand_now(robot) is None
 
 
-def test_a_pursuit_in_vain_is_not_repeated_until_the_mate_is_heard():
+def test_a_pursuit_in_vain_is_not_repeated_until_the_teammate_is_heard():
     robot = robot_at_20()
     hear(robot)
     assert errand_now(robot) is not None
@@ -186,7 +186,7 @@ def test_a_pursuit_in_vain_is_not_repeated_until_the_mate_is_heard():
     assert errand_now(robot) is not None
 
 
-def test_a_mate_that_learns_nothing_is_pursued_a_few_times_only():
+def test_a_teammate_that_learns_nothing_is_pursued_a_few_times_only():
     robot = robot_at_20()
     pursued = 0
     for time_s in np.arange(20.0, 400.0, 20.0).tolist():
@@ -198,13 +198,13 @@ def test_a_mate_that_learns_nothing_is_pursued_a_few_times_only():
     assert pursued == MAX_PURSUITS
 
 
-def test_what_a_mate_finds_itself_is_not_learned_by_pursuits():
+def test_what_a_teammate_finds_itself_is_not_learned_by_pursuits():
     robot = robot_at_20()
     pursued = 0
     for k, time_s in enumerate(np.arange(20.0, 400.0, 20.0).tolist()):
         hear(robot, time_s=time_s - 10.0)
-        report = robot.team.mates.reports[1]
-        robot.team.mates.take(msgspec.structs.replace(report, have=((0, 1, 0), (1, k, 0))))
+        report = robot.team.teammates.reports[1]
+        robot.team.teammates.take(msgspec.structs.replace(report, have=((0, 1, 0), (1, k, 0))))
         robot.course.time_s = time_s
         if errand_now(robot) is not None:
             pursued += 1
@@ -244,11 +244,11 @@ def test_who_is_pursued_learns_what_the_other_knew():
     assert begun
     caught = 0
     for e in begun:
-        mate = int(e.text.split("robot ")[1].split(",")[0])
+        teammate = int(e.text.split("robot ")[1].split(",")[0])
         within = [
             other
             for other in recording.of(Learned)
-            if other.robot == mate
+            if other.robot == teammate
             and e.time_s <= other.time_s <= e.time_s + 60.0
             and any(node[0] == e.robot for node in other.nodes)
         ]
@@ -270,7 +270,7 @@ def test_nobody_waits_for_the_dead_and_none_collides(seed):
     metrics = measure(recording)
     assert metrics.collisions == 0
     assert recording.footer.outcome in ("complete", "stalled")
-    # A dead mate is pursued once at most, by each robot that lives.
+    # A dead teammate is pursued once at most, by each robot that lives.
     after = [e for e in pursuits(recording) if e.time_s > faults[0].time_s]
     named = f"robot {seed % 3},"
     for robot in range(3):
@@ -288,11 +288,11 @@ def test_the_same_run_is_the_same_to_the_byte():
 @pytest.mark.parametrize(
     ("robots", "radio", "match"),
     [
-        (1, RadioSpec(range_m=4.0), "needs mates to go after, and there is one robot"),
+        (1, RadioSpec(range_m=4.0), "needs teammates to pursue, and there is one robot"),
         (2, RadioSpec(), "this radio reaches all: limit its range"),
     ],
 )
-def test_without_mates_or_with_a_radio_that_reaches_all_it_is_refused(robots, radio, match):
+def test_without_teammates_or_with_a_radio_that_reaches_all_it_is_refused(robots, radio, match):
     spec = RunSpec(
         environment=OFFICE,
         strategy="minpos",

@@ -12,7 +12,7 @@ from hypothesis.extra.numpy import arrays
 from multisrt.geometry.grids.distance_field import DistanceField
 from multisrt.planners.assignment.closest import closest
 from multisrt.planners.assignment.costs import DenseCosts
-from multisrt.planners.assignment.gain import LazyCosts, Values
+from multisrt.planners.assignment.gain import LazyCosts, ValueParameters
 from multisrt.planners.assignment.gain_tours import gain_on_tours
 from multisrt.planners.assignment.greedy import greedy
 from multisrt.planners.assignment.minpos import minpos
@@ -115,7 +115,7 @@ def test_gain_chooses_as_on_the_full_table(situation, areas):
     whole = full_table(grid_robot(*situation))
     lazy = WavefrontCosts(grid_robot(*situation), every=True)
     near = np.flatnonzero(np.isfinite(whole.costs[0]))
-    apart = np.hypot(*(whole.targets[near, None] - whole.targets[near]).transpose(2, 0, 1))
+    distances = np.hypot(*(whole.targets[near, None] - whole.targets[near]).transpose(2, 0, 1))
 
     def cost_of(row, target):
         found = lazy.nearest(row, near[[target]])
@@ -124,7 +124,9 @@ def test_gain_chooses_as_on_the_full_table(situation, areas):
     bounds = lazy.lower_bounds()
     bounds[0] = lazy.costs[0]
     chosen = [
-        gain_on_tours(costs, areas[: len(near)], apart, apart, 0, rule=Values(4.0))
+        gain_on_tours(
+            costs, areas[: len(near)], distances, distances, 0, parameters=ValueParameters(4.0)
+        )
         for costs in (whole.costs[:, near], LazyCosts(bounds[:, near], cost_of))
     ]
     assert chosen[0].choice == chosen[1].choice

@@ -1,4 +1,4 @@
-"""The parts that bring news home: time, places of contact, the worth of news, and pairs."""
+"""The parts that bring news home: time, places of contact, the delivered share, and pairs."""
 
 import math
 from typing import Any
@@ -12,11 +12,11 @@ from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.grids.occupancy import Occupancy
 from multisrt.planners.motion.kinematics import Car, Differential, Holonomic
-from multisrt.robots.homing.contact import TOLERANCE_M, ContactPlaces
+from multisrt.robots.homing.contact import RANGE_MARGIN_M, ContactPlaces
+from multisrt.robots.homing.delivered_share import DeliveredShare
 from multisrt.robots.homing.just_in_time import JustInTime
 from multisrt.robots.homing.options import HomingOptions, require_home
-from multisrt.robots.homing.pairs import Appointment, AppointmentMessage, Pair, Role, Stage
-from multisrt.robots.homing.worth import NewsWorth
+from multisrt.robots.homing.pairs import Pair, Rendezvous, RendezvousMessage, Role, Stage
 from multisrt.robots.knowledge import Entries
 from multisrt.robots.registry import strategy
 from multisrt.robots.robot_self import RadioSelf, RobotSelf
@@ -41,10 +41,10 @@ def self_with(**changes):
 # Just in time ------------------------------------------------------------------------------------
 
 
-def test_a_way_lasts_longer_by_the_margin_and_half_a_turn():
+def test_a_path_takes_longer_by_the_margin_and_half_a_turn():
     time = JustInTime.of(self_with(), HomingOptions(home_margin=0.5, home_reserve_s=7.0))
     # 6 m at 0.5 m/s are 12 s, half of that is 6 s, half a turn at 90 degrees a second 2 s.
-    assert time.way_s(6.0) == 20.0
+    assert time.travel_time_s(6.0) == 20.0
     assert time.slack_s(70.0, 6.0) == 100.0 - 70.0 - 20.0 - 7.0
 
 
@@ -141,8 +141,8 @@ def test_contact_is_within_range_where_walls_do_not_matter(rectangle_node):
     assert contact.update(entries)
     assert contact.places == [(2.0, 1.0), (3.9, 1.0)]
     assert not contact.update(entries)
-    assert contact.hears(1.0, 4.0 - TOLERANCE_M)
-    assert not contact.hears(1.0, 4.0)
+    assert contact.certainly_in_range(1.0, 4.0 - RANGE_MARGIN_M)
+    assert not contact.certainly_in_range(1.0, 4.0)
 
 
 def test_behind_walls_the_base_must_lie_in_the_region(rectangle_node):
@@ -150,39 +150,40 @@ def test_behind_walls_the_base_must_lie_in_the_region(rectangle_node):
     contact = ContactPlaces(self_with(radio=RadioSelf(range_m=3.0, walls_matter=True)))
     contact.update(entries)
     assert contact.places == [(2.0, 1.0)]
-    assert not contact.hears(1.0, 1.0)
+    assert not contact.certainly_in_range(1.0, 1.0)
 
 
-# The worth of news -------------------------------------------------------------------------------
+# The delivered share -----------------------------------------------------------------------------
 
 
-def test_worth_is_by_area_and_not_by_count(rectangle_node):
+def test_the_delivered_share_is_by_area_and_not_by_count(rectangle_node):
     # Regions of 4 m2, 4 m2 of which half is known, and 12 m2.
     entries = nodes_at(rectangle_node, (0.0, 2.0), (1.0, 3.0), (3.0, 9.0))
     raster = Occupancy(0.1, 0.25)
     for node in entries.nodes.values():
         raster.add(node.region)
-    worth = NewsWorth(entries, raster)
+    delivered = DeliveredShare(entries, raster)
 
     def cells(length_m):
         # Walls take the lowest and the highest row of cells, of 20, or one of them.
-        return worth.known_m2({0: (length_m, 0)})
+        return delivered.delivered_m2({0: (length_m, 0)})
 
     first, second, third = cells(1), cells(2), cells(3)
     assert second / first == pytest.approx(1.5, rel=0.05)
     assert third / first == pytest.approx(4.5, rel=0.05)
-    assert NewsWorth(entries, raster).ratio({0: (2, 0)}) == pytest.approx(1.0 / 3.0, abs=0.02)
-    assert NewsWorth(entries, raster).ratio({}) == 0.0
-    assert NewsWorth(entries, raster).ratio({0: (3, 0), 1: (5, 0)}) == 1.0
-    assert NewsWorth(entries, raster).ratio({0: (2, 0)}, ((0, 0, 2), (0, 1, 1), (7, 0, 2))) == 1.0
+    assert DeliveredShare(entries, raster).share({0: (2, 0)}) == pytest.approx(1.0 / 3.0, abs=0.02)
+    assert DeliveredShare(entries, raster).share({}) == 0.0
+    assert DeliveredShare(entries, raster).share({0: (3, 0), 1: (5, 0)}) == 1.0
+    beyond = ((0, 0, 2), (0, 1, 1), (7, 0, 2))
+    assert DeliveredShare(entries, raster).share({0: (2, 0)}, beyond) == 1.0
 
 
 def test_nodes_that_this_robot_lacks_count_once_it_has_them(rectangle_node):
     entries = nodes_at(rectangle_node, (0.0, 2.0))
-    worth = NewsWorth(entries, Occupancy(0.1, 0.25))
-    before = worth.known_m2({0: (2, 0)})
+    delivered = DeliveredShare(entries, Occupancy(0.1, 0.25))
+    before = delivered.delivered_m2({0: (2, 0)})
     entries.add_node(rectangle_node(1, 2.0, 0.0, 4.0, 2.0, "left right"))
-    assert worth.known_m2({0: (2, 0)}) == pytest.approx(2.0 * before, rel=0.05)
+    assert delivered.delivered_m2({0: (2, 0)}) == pytest.approx(2.0 * before, rel=0.05)
 
 
 # Pairs -------------------------------------------------------------------------------------------
@@ -197,39 +198,39 @@ def test_a_pair_agrees_on_the_next_place_with_the_last_as_backup():
     relay.knows_home = True
     for k, place in enumerate([(9.0, 1.0), (20.0, 1.0)], start=1):
         relay.set_out()
-        assert relay.is_ready(10.0 * k, 0.5)
+        assert relay.take_ready_turn(10.0 * k, 0.5)
         proposal = explorer.propose(place, 10.0 * k, 100.0, (), 0)
         assert not explorer.accepted
         relay.accept(proposal)
-        answer = AppointmentMessage(
+        answer = RendezvousMessage(
             sender=1, appointment=proposal.appointment, have=(), accepts=True
         )
         explorer.take_acceptance(answer)
         assert explorer.accepted
-        assert explorer.appointment == relay.appointment
+        assert explorer.rendezvous == relay.rendezvous
         assert explorer.stage is relay.stage is Stage.UNTIL_DUE
-    assert relay.appointment == Appointment(
+    assert relay.rendezvous == Rendezvous(
         number=2, place=(20.0, 1.0), backup=(9.0, 1.0), due_s=120.0
     )
-    # A short way takes no less than the period.
+    # However near the place is, the time is not before the period is over.
     assert explorer.propose((2.0, 1.0), 30.0, 5.0, (), 0).appointment.due_s == 90.0
 
 
-def test_who_waits_in_vain_goes_to_the_backup_and_then_alone():
+def test_who_waits_in_vain_goes_to_the_backup_and_then_continues_alone():
     explorer = pair_of(0)
     proposal = explorer.propose((9.0, 1.0), 0.0, 0.0, (), 0)
     explorer.take_acceptance(
-        AppointmentMessage(sender=1, appointment=proposal.appointment, have=(), accepts=True)
+        RendezvousMessage(sender=1, appointment=proposal.appointment, have=(), accepts=True)
     )
     explorer.set_out()
     assert explorer.target() == (9.0, 1.0)
-    explorer.note_in_vain()
+    explorer.note_missed()
     assert (explorer.stage, explorer.target()) == (Stage.BACKUP, (1.0, 1.0))
-    explorer.note_in_vain()
+    explorer.note_missed()
     assert explorer.role is Role.ALONE
     # Where the place is the backup, as at first, there is no second wait.
     relay = pair_of(1)
-    relay.note_in_vain()
+    relay.note_missed()
     assert relay.role is Role.ALONE
 
 
@@ -238,13 +239,13 @@ def test_an_answer_to_another_proposal_is_passed_over():
     first = explorer.propose((9.0, 1.0), 0.0, 0.0, (), 0)
     explorer.propose((12.0, 1.0), 1.0, 0.0, (), 0)
     explorer.take_acceptance(
-        AppointmentMessage(sender=1, appointment=first.appointment, have=(), accepts=True)
+        RendezvousMessage(sender=1, appointment=first.appointment, have=(), accepts=True)
     )
     assert not explorer.accepted
-    assert explorer.appointment.number == 0
+    assert explorer.rendezvous.number == 0
 
 
-def test_a_relay_accepts_once_and_never_an_older_appointment():
+def test_a_relay_accepts_once_and_never_an_older_rendezvous():
     relay, explorer = pair_of(1), pair_of(0)
     first = explorer.propose((9.0, 1.0), 0.0, 0.0, (), 0)
     relay.accept(first)
@@ -252,21 +253,21 @@ def test_a_relay_accepts_once_and_never_an_older_appointment():
     relay.accept(first)
     # Heard again: the relay is on its way already.
     assert relay.stage is Stage.PLACE
-    assert relay.appointment == first.appointment
+    assert relay.rendezvous == first.appointment
 
 
 def test_an_explorer_that_is_done_lets_its_relay_go():
     explorer, relay = pair_of(0), pair_of(1)
     relay.accept(explorer.propose(None, 5.0, 0.0, (), 0))
-    explorer.take_acceptance(AppointmentMessage(sender=1, appointment=None, have=(), accepts=True))
+    explorer.take_acceptance(RendezvousMessage(sender=1, appointment=None, have=(), accepts=True))
     assert explorer.role is relay.role is Role.ALONE
 
 
 def test_a_relay_says_that_it_is_ready_once_a_period_and_on_its_way_out_only():
     relay = pair_of(1)
-    assert not relay.is_ready(0.4, 0.5), "it knows no way home"
+    assert not relay.take_ready_turn(0.4, 0.5), "it knows no path home"
     relay.knows_home = True
-    assert [relay.is_ready(t, 0.5) for t in (1.0, 1.2, 1.6)] == [True, False, True]
+    assert [relay.take_ready_turn(t, 0.5) for t in (1.0, 1.2, 1.6)] == [True, False, True]
     relay.stage = Stage.UNTIL_DUE
-    assert not relay.is_ready(9.0, 0.5)
-    assert not pair_of(0).is_ready(9.0, 0.5)
+    assert not relay.take_ready_turn(9.0, 0.5)
+    assert not pair_of(0).take_ready_turn(9.0, 0.5)

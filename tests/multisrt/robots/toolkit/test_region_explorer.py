@@ -80,13 +80,13 @@ def test_robots_know_of_each_other():
 
     class Polite(Nearest):
         def choose(self):
-            heard.extend((self.me.robot, self.time_s, mate) for mate in self.teammates())
+            heard.extend((self.me.robot, self.time_s, teammate) for teammate in self.teammates())
             return super().choose()
 
     ms.explore(WORLD, strategy=ms.Strategy.of(Polite), robots=2, seed=1)
     assert {robot for robot, _, _ in heard} == {0, 1}
-    assert all(mate.robot == 1 - robot for robot, _, mate in heard)
-    assert any(mate.goal is not None for _, _, mate in heard)
+    assert all(teammate.robot == 1 - robot for robot, _, teammate in heard)
+    assert any(teammate.goal is not None for _, _, teammate in heard)
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""What another participant knows, as far as this robot can tell: the nodes that it has."""
+"""What another robot, or the base station, is known to have of the nodes that this robot has."""
 
 from __future__ import annotations
 
@@ -8,26 +8,26 @@ from multisrt.geometry.grids.occupancy import Occupancy
 from multisrt.robots.knowledge import CountsByRobot, Entries, EntryKey, NodeId
 
 
-class TheirMap:
-    """A raster of the nodes that a robot, or the base station, is known to have.
+class KnownByOther:
+    """Occupancy grid of the nodes that another robot, or the base station, is known to have.
 
     Parameters
     ----------
     entries : Entries
         The nodes of this robot.
     raster : Occupancy
-        Its raster, whose width of cells and body are taken over.
+        Occupancy grid of this robot, whose cell width and body radius are used.
 
     Attributes
     ----------
     raster : Occupancy
-        What they know.
+        The occupancy grid.
 
     Examples
     --------
-    >>> theirs = TheirMap(Entries(), Occupancy(0.1, 0.25))
-    >>> theirs.take({0: (3, 0)})  # this robot has none of these nodes
-    >>> theirs.raster.is_known(1.0, 1.0)
+    >>> known = KnownByOther(Entries(), Occupancy(0.1, 0.25))
+    >>> known.take({0: (3, 0)})  # this robot has none of these nodes
+    >>> known.raster.is_known(1.0, 1.0)
     False
     """
 
@@ -38,14 +38,15 @@ class TheirMap:
         self._painted_beyond: set[EntryKey] = set()
 
     def take(self, have: CountsByRobot, beyond: Collection[EntryKey] = ()) -> None:
-        """Add the nodes that they have.
+        """Add the nodes that the other is known to have.
 
         Parameters
         ----------
         have : mapping of int to (nodes, closings)
-            What they have; counts never fall from call to call.
+            Number of nodes and closings that it has of each robot; never lower than in the last
+            call.
         beyond : collection of EntryKey
-            What they have besides.
+            Entries that it has besides.
         """
         for robot, (count, _) in have.items():
             first = self._painted.get(robot, 0)

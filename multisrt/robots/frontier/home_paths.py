@@ -1,9 +1,9 @@
-"""The ways of a robot that goes to frontiers: home over its raster, and to where it meets others.
+"""Paths home over the raster of a robot that goes to frontiers, and to where it meets others.
 
-The way home is the shortest over cells that are known to be passable, to a node from which the base
-station surely hears the robot (`ContactPlaces`). It is cut short where the base station hears the
-robot earlier. Where it did not hear it in the end, the robot goes to the one of these places that
-is nearest to the base station.
+The path home is the shortest over cells that are known to be passable, to a node from which the
+base station is certain to hear the robot (`ContactPlaces`). It ends earlier where the base station
+hears the robot on it. If the base station did not hear the robot there, the robot goes to the one
+of these places that is nearest to the base station.
 """
 
 from __future__ import annotations
@@ -25,11 +25,11 @@ from multisrt.robots.frontier.scan_map import ScanMap
 from multisrt.robots.homing.contact import ContactPlaces
 
 STANDING_CELLS = 2
-"""How far from a node the cell may be, in cells, at which a robot that goes there stands."""
+"""Maximum distance in cells from a node to the cell at which a robot that goes there stands."""
 
 
-class Ways:
-    """Ways home and to other places, over what a robot knows.
+class HomePaths:
+    """Paths home and between other places, over what a robot knows.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ class Ways:
     Attributes
     ----------
     contact : ContactPlaces
-        Where the base station hears it.
+        Places from which the base station hears it.
     """
 
     def __init__(self, me: RobotSelf, map: ScanMap, paths: PathFinder) -> None:
@@ -57,13 +57,13 @@ class Ways:
         self._revision = -1
 
     @property
-    def lead_home(self) -> bool:
+    def knows_contact(self) -> bool:
         """Whether a place is known where the base station hears the robot."""
         self.contact.update(self._map.entries)
         return len(self.contact.places) > 0
 
     def lengths(self, places: FloatArray) -> FloatArray:
-        """Return the lengths of the ways home from places.
+        """Return the lengths of the paths home from places.
 
         Parameters
         ----------
@@ -73,18 +73,18 @@ class Ways:
         Returns
         -------
         (m,) array
-            Metres, at most by the diagonal of a cell too long; 0 where the base station hears the
-            robot, ``inf`` where no way is known.
+            Metres, too long by at most the diagonal of a cell; 0 where the base station hears the
+            robot, ``inf`` where no path is known.
         """
-        lengths: FloatArray = np.where(self.contact.hears_at(places), 0.0, np.inf)
+        lengths: FloatArray = np.where(self.contact.certainly_in_range_at(places), 0.0, np.inf)
         away = np.isinf(lengths)
         if away.any() and (field := self._home_field()) is not None:
             lengths[away] = field.distance(indices_of(self._map.raster, places[away]))
         return lengths
 
     def length_from(self, place: Place) -> float:
-        """Return the length of the way home from where the robot stands, in metres."""
-        if self.contact.hears(*place):
+        """Return the length of the path home from a place where the robot stands, in metres."""
+        if self.contact.certainly_in_range(*place):
             return 0.0
         centre = self._paths.centre_near(place)
         if centre is None:
@@ -92,20 +92,20 @@ class Ways:
         return math.dist(place, centre) + float(self.lengths(np.array([centre]))[0])
 
     def length_between(self, here: Place, there: Place) -> float:
-        """Return the length of the path between two places, without regard to bodies."""
+        """Return the length of the path between two places in metres, without regard to bodies."""
         field, centre = self._paths.field(*there), self._paths.centre_near(here)
         if field is None or centre is None:
             return math.inf
         return float(field.distance(indices_of(self._map.raster, np.array([centre])))[0])
 
     def path_from_home(self, place: Place) -> FloatArray | None:
-        """Return the way from the base station to a place, without regard to bodies.
+        """Return the path from the base station to a place, without regard to bodies.
 
         Returns
         -------
         (n, 2) array or None
-            Metres. If the robot knows no way to the base station itself, it begins where that hears
-            the robot; None if it knows no way there either.
+            Metres. If the robot knows no path to the base station itself, it begins where the base
+            station hears the robot; None if the robot knows no path there either.
         """
         centre = self._paths.centre_near(place)
         if centre is None:
@@ -132,10 +132,10 @@ class Ways:
             None if no path is free.
         """
         raster, here = self._map.raster, course.at[:2]
-        if self.contact.hears(*here) and not once_more:
+        if self.contact.certainly_in_range(*here) and not once_more:
             return Goal(*here, np.array([here]), 0.0)
         places = list(self._standing_places())
-        nearest = self._end_of_way(here)
+        nearest = self._end_from(here)
         if once_more:
             places = [min(places, key=lambda place: math.dist(place, self.contact.base))]
         paths = self._paths
@@ -157,8 +157,8 @@ class Ways:
         """Return the passable cell nearest to a place as a goal, around bodies."""
         return self._paths.goal_near(place)
 
-    def _end_of_way(self, here: Place) -> Place | None:
-        """Return the place to which the way home leads, without regard to bodies."""
+    def _end_from(self, here: Place) -> Place | None:
+        """Return the place to which the path home leads, without regard to bodies."""
         field, centre = self._home_field(), self._paths.centre_near(here)
         if field is None or centre is None:
             return None
@@ -169,7 +169,7 @@ class Ways:
         return x, y
 
     def _cut(self, goal: Goal) -> Goal:
-        """Return a goal whose path ends where the base station hears the robot on the way."""
+        """Return a goal whose path ends where the base station first hears the robot."""
         path = goal.path
         for k in range(1, len(path)):
             (ax, ay), (bx, by) = path[k - 1].tolist(), path[k].tolist()
@@ -178,13 +178,13 @@ class Ways:
             for step in range(1, steps + 1):
                 share = step / steps
                 x, y = ax + share * (bx - ax), ay + share * (by - ay)
-                if self.contact.hears(x, y):
+                if self.contact.certainly_in_range(x, y):
                     cut = np.vstack([path[:k], [(x, y)]])
                     return Goal(x, y, cut, length_of(cut))
         return goal
 
     def _home_field(self) -> DistanceField | None:
-        """Return the distances from the places where the base station hears the robot."""
+        """Return the field of distances from the places where the base station hears the robot."""
         raster = self._map.raster
         if self._revision == raster.revision and self._field is not None:
             return self._field

@@ -6,8 +6,8 @@
 of the suites and, if their folder is given, five maps of other projects. A few repetitions of all
 strategies show which of the papers' is the best; with ``--strategies`` only this one and that of
 this project are repeated more often, and with ``--first-seed`` repetitions go on where those of
-another machine ended, each time in a store of its own. ``--worlds`` divides the worlds among
-several stores.
+another machine ended, each time in a store of its own. ``--worlds`` and ``--teams`` divide the
+runs among several stores.
 """
 
 from __future__ import annotations
@@ -104,6 +104,7 @@ def experiment(
     strategies: Sequence[str] = (*OURS, *PAPERS),
     first_seed: int = 0,
     only: Sequence[str] = (),
+    teams: Sequence[int] = TEAMS,
 ) -> ExperimentSpec:
     """Return the experiment.
 
@@ -121,6 +122,8 @@ def experiment(
         Seed of the first repetition; the others follow it.
     only : sequence of str
         Names of worlds, to which the experiment is restricted.
+    teams : sequence of int
+        Numbers of robots.
 
     Raises
     ------
@@ -143,10 +146,10 @@ def experiment(
         about="Is a strategy of this project faster than the best of the papers'?",
         environments=tuple(worlds),
         strategies=tuple(StrategyChoice(name=name) for name in strategies),
-        robots=TEAMS,
+        robots=tuple(teams),
         starts=("clustered",),
         radios=RADIOS,
-        exclude=(Only(robots=1, radio=LIMITED),),
+        exclude=(Only(robots=1, radio=LIMITED),) if 1 in teams else (),
         repetitions=repetitions,
         first_seed=first_seed,
         reference="informed" if reference else "none",
@@ -427,6 +430,9 @@ def main() -> None:
         "--strategies", default=",".join((*OURS, *PAPERS)), help="names, comma between"
     )
     made.add_argument("--worlds", help="names, comma between; by default all of them")
+    made.add_argument(
+        "--teams", default=",".join(map(str, TEAMS)), help="numbers of robots, comma between"
+    )
     made.add_argument("--informed", action="store_true", help="compare with the informed plan")
     made.add_argument("--workers", type=int)
     unite = commands.add_parser("unite", help="add runs to a table")
@@ -443,6 +449,7 @@ def main() -> None:
             strategies=given.strategies.split(","),
             first_seed=given.first_seed,
             only=given.worlds.split(",") if given.worlds else (),
+            teams=[int(number) for number in given.teams.split(",")],
         )
         ms.compare(spec, store=given.store, workers=given.workers)
     elif given.command == "unite":

@@ -45,9 +45,13 @@ OURS: Final = ("gain", "routes")
 PAPERS: Final = ("closest", "greedy", "minpos", "utility", "self-bidding", "rules")
 """Strategies of the papers. Those of the SRT family need several times as long in every world."""
 
-SUITES: Final = ("indoor-30", "mazes-30", "outdoor-30")
-NUMBERS: Final = (3, 8, 13, 18, 23)
-"""Every fifth world of each suite; their kinds and difficulties take turns."""
+WORLDS: Final = {
+    "indoor-30": (3, 8, 13, 18, 23),
+    "mazes-30": (3, 8, 13, 18, 23),
+    "outdoor-30": (13, 14, 15, 16, 17),
+}
+"""Numbers of worlds, by suite. Kinds of worlds take turns in the suites: four kinds indoors, two of
+mazes, and five outdoors, so that there every fifth world would be a city."""
 
 MAPS: Final = (
     "explore_bench/room.pgm",
@@ -131,7 +135,9 @@ def experiment(
         If there is no world of one of these names.
     """
     worlds = [
-        EnvironmentChoice(name=f"{suite}/{number:02d}") for suite in SUITES for number in NUMBERS
+        EnvironmentChoice(name=f"{suite}/{number:02d}")
+        for suite, numbers in WORLDS.items()
+        for number in numbers
     ]
     if maps is not None:
         worlds += [read_map(maps / name, name).choice for name in MAPS]

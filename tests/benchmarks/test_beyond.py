@@ -7,8 +7,7 @@ import pytest
 from benchmarks.beyond import (
     FULL,
     LIMITED,
-    NUMBERS,
-    SUITES,
+    WORLDS,
     beside_the_best,
     best_of,
     compared,
@@ -52,7 +51,9 @@ def test_the_experiment_has_worlds_of_all_suites():
     spec = experiment(None, repetitions=1, reference=False)
     conditions = runs_of(spec)
     worlds = {run.condition.environment for run in conditions}
-    assert worlds == {f"{suite}/{number:02d}" for suite in SUITES for number in NUMBERS}
+    assert worlds == {
+        f"{suite}/{number:02d}" for suite, numbers in WORLDS.items() for number in numbers
+    }
     assert not any(
         run.condition.radio == LIMITED and run.condition.robots == 1 for run in conditions
     )

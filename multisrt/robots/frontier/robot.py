@@ -89,8 +89,8 @@ class FrontierRobot:
     Raises
     ------
     InvalidInputError
-        If the cells of the raster are wider than the body, or the time limit is too short to deliver
-        data.
+        If the cells of the raster are wider than the body, or the time limit is too short to
+        deliver data.
     """
 
     def __init__(self, me: RobotSelf, options: FrontierOptions, watch: Watch | None = None) -> None:

@@ -72,7 +72,9 @@ def test_a_run_that_a_signal_ends_leaves_nothing(tmp_path, number):
         said = running.communicate()
     assert running.returncode == 128 + number
     told = "interrupted" if number == signal.SIGINT else f"interrupted by {number.name}"
-    assert (said[0], said[1].strip()) == ("", told)
+    # A world that takes long to generate is told before.
+    assert said[0] == ""
+    assert said[1].strip().splitlines()[-1].endswith(told)
     assert not list(tmp_path.iterdir())
 
 

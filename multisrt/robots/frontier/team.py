@@ -370,11 +370,13 @@ class Team(Listener):
         pair, now_s = self.pair, self._course.time_s
         if pair is None or report.robot != pair.partner:
             return
-        # Before the time, it stops its explorer only for data that is not delivered as it is.
+        # Before the time, it stops its explorer only for their first agreement, and for data that
+        # is not delivered as it is.
         radio = self._me.radio
         is_linked = (radio.multi_hop or radio.reaches_all) and self.is_in_touch
         has_news = not is_linked and counts_beyond(report.have, self.base_has)
-        is_due = pair.is_paired and now_s >= pair.rendezvous.due_s
+        is_first = pair.rendezvous.number == 0
+        is_due = pair.is_paired and (is_first or now_s >= pair.rendezvous.due_s)
         if (has_news or is_due) and pair.take_ready_turn(now_s, self.period_s):
             ready = ReadyMessage(sender=self.number, number=pair.rendezvous.number)
             yield Send(ready, report.robot)

@@ -4,7 +4,8 @@ Robots 0 and 1 are a pair, 2 and 3 the next, and so on: the first of them explor
 carries its data to the base station. The last robot of an odd team explores alone. Whenever a pair
 meets, it agrees on its next *rendezvous*: a place, which is where the explorer goes next; a time by
 which the relay can have been home and there; and a backup place, which is the place of the present
-rendezvous. The first place is that of the base station, which all robots know.
+rendezvous. The first place is that of the base station, which all robots know; a pair in contact
+agrees on the next as soon as its relay knows a path home.
 
 Both robots drive to the place, the explorer in time and the relay once it has delivered. They wait
 there until a while after the agreed time, and then at the backup place. A robot whose partner comes

@@ -40,7 +40,7 @@ def news_errand(robot: FrontierRobot, homing: FrontierHoming) -> Errand | None:
     if robot.team.requests.meet or not homing.meets_now(robot.course):
         return None
     if pair.role is Role.RELAY and pair.stage is Stage.UNTIL_DUE:
-        if homing.may_deliver(robot.course):
+        if homing.may_deliver():
             return homing.errand(robot.course, f"it carries the data of robot {pair.partner}")
         pair.set_out()
     return homing.meeting(robot.course)

@@ -233,7 +233,7 @@ class FrontierExplorer:
             yield from agree(robot, homing, None if is_done else following)
         if event is Event.EXPLORED:
             yield from robot.tell_when_complete()
-        if not is_done or self.progress.is_jammed or not homing.may_deliver(robot.course):
+        if not is_done or self.progress.is_jammed or not homing.may_deliver():
             return event
         return (yield from self.set_out(homing.errand(robot.course, why)))
 

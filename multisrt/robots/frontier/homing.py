@@ -92,6 +92,7 @@ class FrontierHoming:
         )
         if options.home == "relays":
             team.pair = self.pair
+            self.pair.knows_home = self._knows_path_home
         else:
             self.pair.part()
         self.has_left_out = False
@@ -158,13 +159,14 @@ class FrontierHoming:
             return False
         return self._home_paths.knows_contact
 
-    def may_deliver(self, course: Course) -> bool:
+    def may_deliver(self) -> bool:
         """Return whether the robot carries something, and knows a path home."""
-        return (
-            self._team.carries
-            and self._may_be_heard
-            and math.isfinite(self._home_paths.length_from(course.at[:2]))
-        )
+        return self._team.carries and self._knows_path_home()
+
+    def _knows_path_home(self) -> bool:
+        if not self._may_be_heard:
+            return False
+        return math.isfinite(self._home_paths.length_from(self._course.at[:2]))
 
     def fits(self, course: Course, goal: Goal) -> bool:
         """Return whether the robot may choose a goal; see `only_fitting`."""
@@ -252,14 +254,10 @@ class FrontierHoming:
     def meets_now(self, course: Course) -> bool:
         """Return whether the robot is on an errand of its pair, or has to set out for one now."""
         pair = self.pair
-        if pair.is_relay:
-            pair.knows_home = self._may_be_heard and math.isfinite(
-                self._home_paths.length_from(course.at[:2])
-            )
         if pair.role is Role.ALONE:
             return False
         if pair.role is Role.RELAY:
-            return pair.knows_home and self.knows_target(course)
+            return self._knows_path_home() and self.knows_target(course)
         if pair.stage is Stage.UNTIL_DUE and self._is_due(course):
             pair.set_out()
         return pair.stage is not Stage.UNTIL_DUE

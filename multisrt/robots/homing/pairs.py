@@ -40,6 +40,7 @@ skeleton that is best for the team; the hierarchy has two levels; roles are not 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from enum import Enum, auto
 from typing import ClassVar
 
@@ -165,8 +166,8 @@ class Pair:
         Explorer: what it has proposed and the relay has not yet accepted.
     accepted : bool
         Explorer: whether the last proposal was accepted.
-    knows_home : bool
-        Relay: whether it knows a path to where the base station hears it.
+    knows_home : callable
+        Relay: returns whether it knows a path to where the base station hears it.
     may_meet : bool
         Whether the robot has a partner that has not told it that it is done.
 
@@ -194,7 +195,7 @@ class Pair:
         self.stage = Stage.PLACE if self.role is Role.RELAY else Stage.UNTIL_DUE
         self.proposed: Rendezvous | None = None
         self.accepted = False
-        self.knows_home = False
+        self.knows_home: Callable[[], bool] = lambda: False
         self.may_meet = self.partner is not None
         # What it does while it has a partner.
         self._paired_role = self.role
@@ -298,7 +299,9 @@ class Pair:
             Minimum time between two announcements in seconds.
         """
         waits = self.role is Role.ALONE or self.stage is not Stage.UNTIL_DUE
-        if not (self.is_relay and waits and self.knows_home) or now_s < self._ready_s + period_s:
+        if not (self.is_relay and waits) or now_s < self._ready_s + period_s:
+            return False
+        if not self.knows_home():
             return False
         self._ready_s = now_s
         return True

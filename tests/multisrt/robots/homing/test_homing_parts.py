@@ -208,7 +208,7 @@ def pair_of(number, team=2):
 
 def test_a_pair_agrees_on_the_next_place_with_the_last_as_backup():
     explorer, relay = pair_of(0), pair_of(1)
-    relay.knows_home = True
+    relay.knows_home = lambda: True
     for k, place in enumerate([(9.0, 1.0), (20.0, 1.0)], start=1):
         relay.set_out()
         assert relay.take_ready_turn(10.0 * k, 0.5)
@@ -296,7 +296,7 @@ def test_a_pair_that_missed_each_other_is_one_again_when_it_agrees():
     relay.note_missed()
     assert explorer.role is relay.role is Role.ALONE
     assert not relay.take_ready_turn(100.0, 0.5), "it knows no path home"
-    relay.knows_home = True
+    relay.knows_home = lambda: True
     assert relay.take_ready_turn(101.0, 0.5)
     proposal = explorer.propose((9.0, 1.0), 101.0, 0.0, (), 0)
     assert relay.accept(proposal)
@@ -307,7 +307,7 @@ def test_a_pair_that_missed_each_other_is_one_again_when_it_agrees():
 
 def test_an_explorer_that_is_done_lets_its_relay_go():
     explorer, relay = pair_of(0), pair_of(1)
-    relay.knows_home = True
+    relay.knows_home = lambda: True
     relay.accept(explorer.propose(None, 5.0, 0.0, (), 0))
     explorer.take_acceptance(RendezvousMessage(sender=1, rendezvous=None, have=(), accepts=True))
     assert explorer.role is relay.role is Role.ALONE
@@ -317,7 +317,7 @@ def test_an_explorer_that_is_done_lets_its_relay_go():
 def test_a_relay_says_that_it_is_ready_once_a_period_and_on_its_way_out_only():
     relay = pair_of(1)
     assert not relay.take_ready_turn(0.4, 0.5), "it knows no path home"
-    relay.knows_home = True
+    relay.knows_home = lambda: True
     assert [relay.take_ready_turn(t, 0.5) for t in (1.0, 1.2, 1.6)] == [True, False, True]
     relay.stage = Stage.UNTIL_DUE
     assert not relay.take_ready_turn(9.0, 0.5)

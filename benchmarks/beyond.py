@@ -73,6 +73,12 @@ RADIOS: Final = (
 TIME, END = "time_to_99_s", "makespan_s"
 QUANTITIES: Final = {TIME: "time to 99 %", END: "time to the end"}
 
+PENALTY: Final = 2.0
+"""A run that failed counts with the longest time of its cell times this (PAR-2)."""
+
+FEWEST_SEEDS: Final = 6
+"""Fewer seeds have no interval: no difference between so few pairs is significant."""
+
 LEVEL: Final = 0.05
 """Significance level, after Holm's correction over all cells."""
 
@@ -173,12 +179,13 @@ class Comparison:
     p_value : float
         Of the family of cells.
     mean : float
-        Geometric mean over cells of the ratios of the median times, without cells in which either
-        is infinite.
+        Geometric mean over cells of the ratios of the median times.
     faster, slower : int
         Cells in which the first is significantly faster, or slower, after Holm's correction.
     cells, pairs : int
         Number of cells, and of pairs of runs in all of them.
+    seeds : int
+        Largest number of pairs in a cell.
     """
 
     ratio: Interval
@@ -188,6 +195,7 @@ class Comparison:
     slower: int
     cells: int
     pairs: int
+    seeds: int
 
 
 def compared(runs: pd.DataFrame, first: str, second: str, quantity: str) -> Comparison:
@@ -206,7 +214,6 @@ def compared(runs: pd.DataFrame, first: str, second: str, quantity: str) -> Comp
     medians = np.array(
         [[np.median(one), np.median(other)] for one, other in zip(ones, others, strict=True)]
     )
-    medians = medians[np.isfinite(medians).all(axis=1)]
     return Comparison(
         ratio=ratio_of(test),
         p_value=test(1.0).p_value,
@@ -219,6 +226,7 @@ def compared(runs: pd.DataFrame, first: str, second: str, quantity: str) -> Comp
         ),
         cells=len(cells),
         pairs=sum(map(len, ones)),
+        seeds=max(map(len, ones)),
     )
 
 
@@ -270,7 +278,7 @@ def beside_the_best(runs: pd.DataFrame, name: str, others: Sequence[str], quanti
     medians = _timed(runs, quantity).groupby([*CELL, "strategy"], sort=True)[quantity].median()
     table = medians.unstack("strategy")
     ratios = table[name] / table[list(others)].min(axis=1)
-    return float(np.exp(np.log(ratios[np.isfinite(ratios)]).mean()))
+    return float(np.exp(np.log(ratios.dropna()).mean()))
 
 
 def page(runs: pd.DataFrame) -> list[str]:
@@ -294,7 +302,9 @@ def page(runs: pd.DataFrame) -> list[str]:
         "collisions. Runs are paired by seed. A ratio is that of the times, below 1 if the "
         "strategy of this project is faster, with its 95 % interval over all cells by inverting "
         "the signed-rank test of the family; the mean is the geometric mean of the ratios of the "
-        "cells' medians. Cells are tested one by one, with Holm's correction over all of them.",
+        "cells' medians. Cells are tested one by one, with Holm's correction over all of them. A "
+        "run that failed (not complete, or less than 99 % covered) counts with twice the longest "
+        "time of its cell.",
         "",
     ]
     for radio in (FULL, LIMITED):
@@ -372,15 +382,16 @@ def _rows_by(
 
 
 def _row(name: str, other: str, found: Comparison) -> tuple[str, ...]:
-    ratio = found.ratio
+    ratio, mean, counts = found.ratio, f"{found.mean:.3f}", (str(found.pairs), str(found.cells))
+    if found.seeds < FEWEST_SEEDS:
+        return name, other, f"{ratio.value:.3f}", mean, "", *counts, "", ""
     return (
         name,
         other,
         f"{ratio.value:.3f} ({ratio.low:.3f} to {ratio.high:.3f})",
-        f"{found.mean:.3f}",
+        mean,
         f"{found.p_value:.2g}",
-        str(found.pairs),
-        str(found.cells),
+        *counts,
         str(found.faster),
         str(found.slower),
     )
@@ -408,9 +419,13 @@ def _regrets(runs: pd.DataFrame, names: Sequence[str]) -> list[str]:
 
 
 def _timed(runs: pd.DataFrame, quantity: str) -> pd.DataFrame:
-    """Return the runs with infinite times where a run was not complete or never came so far."""
-    times = runs[quantity].where(runs["status"] == "complete").fillna(np.inf)
-    return runs.assign(**{quantity: times})
+    """Return the runs, those that failed with `PENALTY` times the longest time of their cell.
+
+    A run fails that is not complete, or covers less than 99 %.
+    """
+    has_failed = (runs["status"] != "complete") | runs[TIME].isna()
+    longest_s = runs.groupby(CELL)[END].transform("max")
+    return runs.assign(**{quantity: runs[quantity].mask(has_failed, PENALTY * longest_s)})
 
 
 def _by_cell(runs: pd.DataFrame, name: str, quantity: str) -> dict[object, pd.Series]:

@@ -74,6 +74,33 @@ def test_a_run_that_is_not_complete_is_slower_than_all_others():
     assert (found.faster, found.slower) == (4, 4)
 
 
+def test_a_failure_improves_no_mean():
+    before, runs = made(TIMES), made(TIMES)
+    # It stops early, and covers too little.
+    failed = (runs["strategy"] == "gain") & (runs["environment"] == "a")
+    runs.loc[failed, ["time_to_99_s", "makespan_s"]] = np.nan, 1.0
+    papers = ["minpos", "utility"]
+    for quantity in ("time_to_99_s", "makespan_s"):
+        means = [compared(table, "gain", "minpos", quantity).mean for table in (before, runs)]
+        assert means[1] > 1.2 * means[0]
+        besides = [beside_the_best(table, "gain", papers, quantity) for table in (before, runs)]
+        assert besides[1] > 1.2 * besides[0]
+    # Where those of the papers fail, the one that is best elsewhere is the best.
+    runs = made(TIMES)
+    where = runs["strategy"].isin(papers) & (runs["environment"] == "a")
+    runs.loc[where, "status"] = "stalled"
+    assert best_of(runs, papers, "time_to_99_s") == "utility"
+    assert 0.0 < compared(runs, "gain", "utility", "time_to_99_s").mean < 0.8
+
+
+def test_few_repetitions_have_no_intervals():
+    lines = "\n".join(page(made(TIMES, repetitions=2))).splitlines()
+    row = next(line for line in lines if "| utility (best) |" in line)
+    cells = [cell.strip() for cell in row.strip("|").split("|")]
+    assert "(" not in cells[2]
+    assert cells[4] == cells[7] == cells[8] == ""
+
+
 def test_the_best_strategy_has_the_lowest_mean_over_cells():
     assert best_of(made(TIMES), ["minpos", "utility"], "time_to_99_s") == "utility"
 

@@ -77,7 +77,7 @@ PENALTY: Final = 2.0
 """A run that failed counts with the longest time of its cell times this (PAR-2)."""
 
 FEWEST_SEEDS: Final = 6
-"""Fewer seeds have no interval: no difference between so few pairs is significant."""
+"""Minimum number of pairs in a cell for intervals and tests: none of fewer is significant."""
 
 LEVEL: Final = 0.05
 """Significance level, after Holm's correction over all cells."""

@@ -24,6 +24,7 @@ from multisrt.robots.frontier.goal import Goal, Place
 from multisrt.robots.frontier.path_finder import PathFinder
 from multisrt.robots.frontier.scan_map import ScanMap
 from multisrt.robots.homing.contact import ContactPlaces
+from multisrt.robots.knowledge import NodeId
 
 STANDING_CELLS = 2
 """Maximum distance in cells from a node to the cell at which a robot that goes there stands."""
@@ -57,8 +58,8 @@ class HomePaths:
         self._paths = paths
         self._is_unheard = is_unheard
         self._was_unheard = False
-        # By place where the robot is heard, the passable cell next to it.
-        self._standing: dict[Place, tuple[int, int]] = {}
+        # By node where the robot is heard, the passable cell next to it.
+        self._standing: dict[NodeId, tuple[int, int]] = {}
         self._sources: dict[Place, None] = {}
         self._field: DistanceField | None = None
         self._revision = -1
@@ -67,7 +68,7 @@ class HomePaths:
     def knows_contact(self) -> bool:
         """Whether a place is known where the base station hears the robot."""
         self.contact.update(self._map.entries)
-        return len(self.contact.places) > 0
+        return len(self.contact.nodes) > 0
 
     def lengths(self, places: FloatArray) -> FloatArray:
         """Return the lengths of the paths home from places.
@@ -91,7 +92,7 @@ class HomePaths:
 
     def length_from(self, place: Place) -> float:
         """Return the length of the path home from a place where the robot stands, in metres."""
-        if self._hears_at(np.array([place])).any():
+        if self._hears(place):
             return 0.0
         centre = self._paths.centre_near(place)
         if centre is None:
@@ -137,7 +138,7 @@ class HomePaths:
             None if no path is free.
         """
         raster, here = self._map.raster, course.at[:2]
-        if self._hears_at(np.array([here])).any():
+        if self._hears(here):
             return Goal(*here, np.array([here]), 0.0)
         places = list(self._standing_places())
         nearest = self._end_from(here)
@@ -171,6 +172,10 @@ class HomePaths:
         x, y = shortest_path(field, index[0])[0].tolist()
         return x, y
 
+    def _hears(self, place: Place) -> bool:
+        """Return whether distance alone makes contact certain at a place."""
+        return not self._is_unheard() and self.contact.certainly_in_range(*place)
+
     def _hears_at(self, places: FloatArray) -> BoolArray:
         """Return at which places, ``(m, 2)``, distance alone makes contact certain."""
         if self._is_unheard():
@@ -187,7 +192,7 @@ class HomePaths:
             for step in range(1, steps + 1):
                 share = step / steps
                 x, y = ax + share * (bx - ax), ay + share * (by - ay)
-                if self._hears_at(np.array([(x, y)])).any():
+                if self._hears((x, y)):
                     cut = np.vstack([path[:k], [(x, y)]])
                     return Goal(x, y, cut, length_of(cut))
         return goal
@@ -221,14 +226,14 @@ class HomePaths:
             rows, columns = raster.indices_of(cells)
             still = raster.passable[rows, columns].tolist()
             pairs = zip(self._standing.items(), still, strict=True)
-            self._standing = {place: cell for (place, cell), stands in pairs if stands}
-        for place, node in zip(self.contact.places, self.contact.nodes.values(), strict=True):
-            if place not in self._standing:
-                cell = raster.passable_near(*place, STANDING_CELLS)
-                if cell is None:
-                    continue
-                if self.contact.is_certain_beside(node, raster.centre_of(*cell)):
-                    self._standing[place] = cell
+            self._standing = {node: cell for (node, cell), stands in pairs if stands}
+        for node in self.contact.nodes.values():
+            if node.id not in self._standing:
+                cell = raster.passable_near(*node.configuration[:2], STANDING_CELLS)
+                if cell is not None and self.contact.is_certain_beside(
+                    node, raster.centre_of(*cell)
+                ):
+                    self._standing[node.id] = cell
         standing = {raster.centre_of(*cell): None for cell in self._standing.values()}
         if standing and self._is_unheard():
             base = self.contact.base

@@ -12,9 +12,8 @@ Source: M-TARE (repository `caochao39/mtare_planner`, `grid_world` and `pursuit_
 targets are frontiers, not cells of 6 m; the route of a teammate is its reported path to its goal,
 and from there the route that this robot plans for it; the cells of a route are as long as the robot
 drives in two steps, so that on its route the Markov chain is on average as fast as the robot (with
-the default probabilities); one teammate is
-pursued at a time, not sampled sets of them; a pursuit in vain is not repeated until the teammate is
-heard again.
+the default probabilities); one teammate is pursued at a time, not sampled sets of them; a pursuit
+in vain is not repeated until the teammate is heard again.
 """
 
 from __future__ import annotations

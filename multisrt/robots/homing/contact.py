@@ -38,10 +38,8 @@ class ContactPlaces:
     ----------
     base : (x, y)
         Where the base station is, in metres.
-    places : list of (x, y)
-        Places of the nodes in metres, in the order in which the nodes became known.
     nodes : dict of NodeId to Node
-        The nodes, in the same order.
+        The nodes, in the order in which they became known.
 
     Examples
     --------
@@ -68,25 +66,22 @@ class ContactPlaces:
     def __init__(self, me: RobotSelf) -> None:
         assert me.base is not None
         self.base: Place = me.base
-        self.places: list[Place] = []
         self.nodes: dict[NodeId, Node] = {}
         self._range_m = me.radio.range_m - RANGE_MARGIN_M
         self._walls_matter = me.radio.walls_matter
         self._looked_at = 0
 
     def update(self, entries: Entries) -> bool:
-        """Take the new nodes into account; return whether there are new places."""
+        """Take the new nodes into account; return whether there are more of them."""
         nodes = entries.nodes
         if len(nodes) == self._looked_at:
             return False
-        before = len(self.places)
+        before = len(self.nodes)
         for node in list(nodes.values())[self._looked_at :]:
-            x, y, _ = node.configuration
             if self.is_certain(node):
-                self.places.append((x, y))
                 self.nodes[node.id] = node
         self._looked_at = len(nodes)
-        return len(self.places) > before
+        return len(self.nodes) > before
 
     def is_certain(self, node: Node) -> bool:
         """Return whether the base station is certain to hear a robot at a node."""

@@ -9,13 +9,14 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from multisrt.geometry.configuration import Configuration
+from multisrt.geometry.numerics.rings import Rings
 from multisrt.planners.motion.body import PlanningBody
 from multisrt.planners.motion.kinematics import Car
 from multisrt.planners.motion.steering import reach_fan, steer, turn_and_drive
 from multisrt.planners.motion.sweep import Sweep
 from multisrt.planners.motion.trajectory import Trajectory, Waypoint, standing_at
 from multisrt.planners.srt import SrtPlanner
-from multisrt.robots.knowledge import NodeId
+from multisrt.robots.knowledge import Node, NodeId
 from multisrt.robots.multi_srt.conflicts import Prospect
 from multisrt.robots.multi_srt.messages import RobotState
 from multisrt.robots.multi_srt.robot import SrtRobot
@@ -153,6 +154,8 @@ class KnownAlternatives:
             return body.distance_to(swept) >= gap_m
 
         def is_passable(a: NodeId, b: NodeId) -> bool:
+            if not self._fits(robot, known[a], known[b]):
+                return False
             sweep = Sweep(footprint, _line(known[a].configuration, known[b].configuration))
             return all(sweep.distance_to(other.body) >= gap_m for other in others)
 
@@ -162,6 +165,18 @@ class KnownAlternatives:
         places = [known[node].configuration for node in route]
         length = math.fsum(a.distance(b) for a, b in itertools.pairwise(places))
         yield length, _line(Configuration(*state.place), places[1]), route[1]
+
+    def _fits(self, robot: int, a: Node, b: Node) -> bool:
+        # Whether a robot gets along an edge of the master's roadmap: its body may be larger.
+        body, own = self._body(robot), self._robot.planner.body
+        is_car = isinstance(self._team.state_of(robot).kinematics, Car)
+        child, parent = (a, b) if a.parent == b.id else (b, a)
+        has_driven_it = child.parent == parent.id and child.id.robot == robot
+        if body.footprint == own.footprint or is_car or has_driven_it:
+            return True
+        ends = np.array([a.configuration[:2], b.configuration[:2]])
+        rings = Rings([a.region.boundary, b.region.boundary])
+        return bool(body.bridges(ends, rings, np.array([[0, 1]]))[0])
 
     def _fan(self, robot: int, state: RobotState, gap_m: float) -> list[tuple[float, float, float]]:
         # Places that a robot reaches straight, the nearest first: their distance, x and y.

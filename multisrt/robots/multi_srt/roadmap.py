@@ -263,10 +263,14 @@ class SrtRoadmap:
         return motion
 
     def knows_hop(self, a: NodeId, b: NodeId) -> bool:
-        """Whether there is a motion from one node straight to another; see `hop`."""
+        """Whether this robot knows a motion from one node straight to another; see `hop`.
+
+        An edge of another robot's roadmap proves nothing: that robot's body may be smaller.
+        """
         if isinstance(self.me.kinematics, Car):
             return (a, b) in self._driven
-        return self.body.is_disc or self.graph.joins(a, b)
+        self.extend()
+        return self.graph.joins(a, b)
 
     def _is_wide(self, a: Node, b: Node) -> bool:
         # Whether the body fits in any heading on the edge of the tree between two nodes.

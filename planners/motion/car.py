@@ -18,7 +18,7 @@ from multisrt.geometry.bodies.clearance import rings_of
 from multisrt.geometry.configuration import Configuration, wrap_angle
 from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.planners.motion.body import PlanningBody
-from multisrt.planners.motion.curves import curve, curve_length, set_state, state_space
+from multisrt.planners.motion.curves import curve_length, curves_of, set_state, state_space
 from multisrt.planners.motion.kinematics import Car
 from multisrt.planners.motion.room import Room
 from multisrt.planners.motion.trajectory import Trajectory
@@ -34,6 +34,9 @@ ARRIVAL_TURNS = tuple(k * math.pi / 4.0 for k in (0, 1, -1, 2, -2, 3, -3, 4))
 
 MAX_PLANS = 2
 """Bounds the headings at a place for which a sampling-based plan is made."""
+
+FIRST_SHARES = (0.5, 0.25, 0.75)
+"""Where curves are tested first, as shares of them: most that do not fit are ruled out there."""
 
 MAX_SEED = 2**31 - 1
 """Maximum seed of OMPL; the minimum is 1."""
@@ -193,7 +196,10 @@ def shortest_curve(
     car: Car, room: Room, start: Configuration, goal: Configuration
 ) -> Trajectory | None:
     """Return the motion along a car's shortest curve; None if there is no room for it."""
-    motion = curve(car, start, goal)
+    curves = curves_of(car.reverse, car.turning_radius_m)
+    if not all(map(room.holds, curves.between(start, goal, FIRST_SHARES))):
+        return None
+    motion = curves.curve(start, goal, car.speed_m_s)
     return motion if room.lets_pass(motion.waypoints) else None
 
 

@@ -9,6 +9,7 @@ Source: Reeds and Shepp 1990, Dubins 1957, as in OMPL's state spaces of these na
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Iterator
 from functools import lru_cache
 from typing import Any
 
@@ -54,6 +55,16 @@ class Curves:
         set_state(self._from, start)
         set_state(self._to, goal)
         return float(self._space.distance(self._from, self._to))
+
+    def between(
+        self, start: Configuration, goal: Configuration, shares: Iterable[float]
+    ) -> Iterator[Configuration]:
+        """Yield where the car is at shares of the shortest curve, up to OMPL's rounding."""
+        set_state(self._from, start)
+        set_state(self._to, goal)
+        for share in shares:
+            self._space.interpolate(self._from, self._to, share, self._on)
+            yield Configuration(self._on.getX(), self._on.getY(), self._on.getYaw())
 
     def curve(self, start: Configuration, goal: Configuration, speed_m_s: float) -> Trajectory:
         """Return the motion along the shortest curve; its last waypoint is exactly the goal."""

@@ -6,7 +6,6 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
-import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
@@ -14,6 +13,7 @@ from multisrt.analysis.scans import scanned_regions
 from multisrt.environments.environment import Environment
 from multisrt.events import Learned, NodeAdded, NodeName, Sensed
 from multisrt.geometry.numerics.kernel import FloatArray
+from multisrt.geometry.regions.union import GRID_M, union_of
 from multisrt.recording import Recording
 
 
@@ -117,11 +117,15 @@ def areas_known(
             ]
             if new:
                 before = known.get(maker, shapely.MultiPolygon())
-                valid = shapely.make_valid(np.array([*new], np.object_))
-                known[maker] = shapely.union_all([before, *valid])
+                known[maker] = union_of([before, *new])
         begin = time_s
         found.append(
-            {m: polygons_of(known[m].intersection(environment.free)) for m in sorted(known)}
+            {
+                maker: polygons_of(
+                    shapely.intersection(known[maker], environment.free, grid_size=GRID_M)
+                )
+                for maker in sorted(known)
+            }
         )
     return found
 

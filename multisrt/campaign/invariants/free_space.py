@@ -13,6 +13,7 @@ from multisrt.campaign.bodies import FloatArray
 from multisrt.campaign.judged_run import JudgedRun
 from multisrt.campaign.violations import Violation
 from multisrt.events import NodeAdded
+from multisrt.geometry.regions.union import GRID_M
 from multisrt.spec import RobotSpec
 
 NAME: Final = "free-is-free"
@@ -88,7 +89,7 @@ def _not_free(run: JudgedRun, node: NodeAdded, space: BaseGeometry) -> str | Non
     region = run.regions[node.robot, node.serial]
     if shapely.covers(space, region):
         return None
-    beyond = shapely.difference(shapely.make_valid(region), space)
+    beyond = shapely.difference(shapely.make_valid(region), space, grid_size=GRID_M)
     pieces = [piece for piece in shapely.get_parts(beyond) if piece.area > TOLERANCE_M**2]
     if not pieces:
         return None

@@ -45,6 +45,15 @@ OURS: Final = ("gain", "routes")
 PAPERS: Final = ("closest", "greedy", "minpos", "utility", "self-bidding", "rules")
 """Strategies of the papers. Those of the SRT family need several times as long in every world."""
 
+TURNING: Final = "utility-saves-turns"
+"""The strategy of the papers that is fastest here, with the curves on which `gain` drives: what is
+left of the lead of `gain` is due to its choices."""
+
+CHOICES: Final = {
+    TURNING: StrategyChoice(name="utility", label=TURNING, options={"saves_turns": True})
+}
+"""Strategies with options, by name."""
+
 WORLDS: Final = {
     "indoor-30": (3, 8, 13, 18, 23),
     "mazes-30": (3, 8, 13, 18, 23),
@@ -127,7 +136,7 @@ def experiment(
     reference : bool
         Whether times are compared with those of the informed plan.
     strategies : sequence of str
-        Names of strategies.
+        Names of strategies, or of `CHOICES`.
     first_seed : int
         Seed of the first repetition; the others follow it.
     only : sequence of str
@@ -157,7 +166,7 @@ def experiment(
         name="Beyond the papers",
         about="Is a strategy of this project faster than the best of the papers'?",
         environments=tuple(worlds),
-        strategies=tuple(StrategyChoice(name=name) for name in strategies),
+        strategies=tuple(CHOICES.get(name) or StrategyChoice(name=name) for name in strategies),
         robots=tuple(teams),
         starts=("clustered",),
         radios=RADIOS,
@@ -230,11 +239,11 @@ def compared(runs: pd.DataFrame, first: str, second: str, quantity: str) -> Comp
     )
 
 
-def of_all_strategies(runs: pd.DataFrame) -> pd.DataFrame:
-    """Return the runs of those repetitions that all strategies have in a cell."""
-    pair = [*CELL, "seed"]
-    count = runs.groupby(pair)["strategy"].transform("nunique")
-    return runs[count == runs["strategy"].nunique()]
+def of_all(runs: pd.DataFrame, names: Sequence[str]) -> pd.DataFrame:
+    """Return the runs of some strategies in those repetitions that all of them have in a cell."""
+    of_these = runs[runs["strategy"].isin(names)]
+    count = of_these.groupby([*CELL, "seed"])["strategy"].transform("nunique")
+    return of_these[count == len(names)]
 
 
 def united(tables: Sequence[pd.DataFrame]) -> pd.DataFrame:
@@ -283,9 +292,11 @@ def beside_the_best(runs: pd.DataFrame, name: str, others: Sequence[str], quanti
 
 def page(runs: pd.DataFrame) -> list[str]:
     """Return the lines of the page; the runs are of at least one strategy of each kind."""
-    present = [name for name in (*OURS, *PAPERS) if name in set(runs["strategy"])]
+    present = [name for name in (*OURS, *PAPERS, TURNING) if name in set(runs["strategy"])]
     ours = [name for name in present if name in OURS]
     papers = [name for name in present if name in PAPERS]
+    others = [name for name in present if name not in OURS]
+    maps = runs["environment"].isin(MAPS).any()
     complete = (runs["status"] == "complete").mean()
     lines = [
         "# Beyond the papers",
@@ -297,12 +308,14 @@ def page(runs: pd.DataFrame) -> list[str]:
         f"{len(runs):,} runs: {runs['environment'].nunique()} worlds, teams of "
         f"{', '.join(map(str, sorted(runs['robots'].unique())))}, full and limited radio (10 m, "
         f"walls block), {_repetitions(runs)}; robots start close together. "
-        "The worlds are of the suites, which no strategy was tuned on, and maps of other "
-        f"projects. {complete:.1%} of the runs are complete; {runs['collisions'].sum():.0f} "
-        "collisions. Runs are paired by seed. A ratio is that of the times, below 1 if the "
+        "The worlds are of the suites, which no strategy was tuned on"
+        f"{', and maps of other projects' if maps else ''}. {complete:.1%} of the runs are "
+        f"complete; {runs['collisions'].sum():.0f} collisions. Runs are "
+        "paired by seed. A ratio is that of the times, below 1 if the "
         "strategy of this project is faster, with its 95 % interval over all cells by inverting "
         "the signed-rank test of the family; the mean is the geometric mean of the ratios of the "
-        "cells' medians. Cells are tested one by one, with Holm's correction over all of them. A "
+        "cells' medians. Cells are tested one by one, with Holm's correction over all cells of "
+        "a comparison. A "
         "run that failed (not complete, or less than 99 % covered) counts with twice the longest "
         "time of its cell.",
         "",
@@ -311,24 +324,23 @@ def page(runs: pd.DataFrame) -> list[str]:
         part = runs[runs["radio"] == radio]
         if part.empty:
             continue
-        repeated_alike = of_all_strategies(part)
         lines += [f"## With {radio} radio", ""]
         for quantity, words in QUANTITIES.items():
-            best = best_of(repeated_alike, papers, quantity)
+            best = best_of(of_all(part, papers), papers, quantity)
             rows = [
                 _row(name, f"{other} (best)" if other == best else other, found)
                 for name in ours
-                for other in papers
+                for other in others
                 for found in [compared(part, name, other, quantity)]
             ]
             lines += [f"{words[0].upper()}{words[1:]}:", "", markdown_table(COLUMNS, rows), ""]
             lines += [
                 f"Against the strategy of the papers with the lowest median in each cell, which is "
                 f"known only afterwards, the mean of `{name}` is "
-                f"{beside_the_best(repeated_alike, name, papers, quantity):.3f}.\n"
+                f"{beside_the_best(of_all(part, [name, *papers]), name, papers, quantity):.3f}.\n"
                 for name in ours
             ]
-        best = best_of(repeated_alike, papers, TIME)
+        best = best_of(of_all(part, papers), papers, TIME)
         lines += [
             f"By team size, against `{best}`, time to 99 %:",
             "",
@@ -366,7 +378,8 @@ def _repetitions(runs: pd.DataFrame) -> str:
     of = runs.groupby("strategy")["seed"].nunique()
     fewest = of.min()
     often = [f"{count} of `{name}`" for name, count in of.items() if count > fewest]
-    return ", ".join([f"{fewest} repetitions of all strategies", *often])
+    repetitions = "repetition" if fewest == 1 else "repetitions"
+    return ", ".join([f"{fewest} {repetitions} of all strategies", *often])
 
 
 def _rows_by(

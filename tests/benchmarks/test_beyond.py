@@ -7,12 +7,13 @@ import pytest
 from benchmarks.beyond import (
     FULL,
     LIMITED,
+    TURNING,
     WORLDS,
     beside_the_best,
     best_of,
     compared,
     experiment,
-    of_all_strategies,
+    of_all,
     page,
     read,
     united,
@@ -123,11 +124,21 @@ def test_two_strategies_may_be_repeated_more_often_in_a_store_of_their_own():
     both = made({"gain": 80.0, "utility": 100.0}, repetitions=12).assign(digest="a")
     runs = united([made(TIMES, repetitions=2).assign(digest="a"), both])
     assert len(runs) == 8 * (2 * 3 + 10 * 2)
-    assert set(of_all_strategies(runs)["seed"]) == {0, 1}
+    assert set(of_all(runs, ["gain", "minpos", "utility"])["seed"]) == {0, 1}
+    assert set(of_all(runs, ["gain", "utility"])["seed"]) == set(range(12))
     text = "\n".join(page(runs))
     assert "2 repetitions of all strategies, 12 of `gain`, 12 of `utility`;" in text
     full = text[text.index("With full radio") : text.index("By team size")]
     assert [row.split(" | ")[5] for row in full.splitlines() if "utility" in row] == ["48", "48"]
+
+
+def test_a_strategy_that_drives_as_ours_is_never_the_best_of_the_papers():
+    text = "\n".join(page(made(TIMES | {TURNING: 90.0})))
+    assert "\n| gain | utility (best) |" in text
+    assert f"\n| gain | {TURNING} | 0.8" in text
+    spec = experiment(None, repetitions=1, reference=False, strategies=["gain", TURNING])
+    assert [choice.name for choice in spec.strategies] == ["gain", "utility"]
+    assert {run.condition.strategy for run in runs_of(spec)} == {"gain", TURNING}
 
 
 def test_a_table_of_runs_is_read_as_it_was_written(tmp_path):

@@ -22,6 +22,7 @@ from multisrt.environments.cleaning import (
 from multisrt.environments.layers import Layers
 from multisrt.geometry.errors import ClearanceError, InvalidInputError, shown
 from multisrt.geometry.numerics.arrays import FloatArray
+from multisrt.geometry.regions.overlay import difference_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -158,8 +159,7 @@ class Environment:
         solid = list(obstacles)
         for obstacle in solid:
             _require_valid(obstacle, name)
-        free = outline.difference(shapely.union_all(solid)) if solid else outline
-        return cls(name, free, starts=starts, origin=origin)
+        return cls(name, difference_of(outline, solid), starts=starts, origin=origin)
 
     @property
     def name(self) -> str:

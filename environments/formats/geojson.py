@@ -30,6 +30,7 @@ from multisrt.environments.formats.files import (
 from multisrt.environments.formats.map_format import Beginning, MapFormat
 from multisrt.environments.formats.regions import require_few_overlaps
 from multisrt.geometry.errors import MapFormatError, counted, shown
+from multisrt.geometry.regions.overlay import difference_of
 
 KINDS = {
     "outline": "free",
@@ -115,11 +116,9 @@ def read_geojson(
             f"free space is {x1 - x0:.2g} x {y1 - y0:.2g} m",
             "coordinates are metres, not degrees; project them first",
         )
-    if world.obstacles:
-        free = free.difference(shapely.union_all(world.obstacles))
     return build_environment(
         path,
-        free,
+        difference_of(free, world.obstacles),
         name=name,
         origin=path.name,
         starts=FileStarts(

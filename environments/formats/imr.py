@@ -24,6 +24,7 @@ from multisrt.environments.formats.files import (
 from multisrt.environments.formats.map_format import Beginning, MapFormat
 from multisrt.environments.formats.regions import require_few_overlaps
 from multisrt.geometry.errors import MapFormatError, shown
+from multisrt.geometry.regions.overlay import difference_of
 
 SECTIONS: Final = ("[SCALE]", "[BORDER]", "[OBSTACLE]")
 """Sections of the layout with coordinates in each polygon."""
@@ -120,7 +121,7 @@ def read_imr(
         (borders if is_border else obstacles).append(whole)
     if len(borders) != 1:
         raise MapFormatError(f"{path} has {len(borders)} borders; a map has one")
-    free = borders[0].difference(shapely.union_all(obstacles))
+    free = difference_of(borders[0], obstacles)
     return build_environment(path, free, name=name, origin=path.name, cleaning=cleaning)
 
 

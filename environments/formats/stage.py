@@ -34,6 +34,7 @@ from multisrt.environments.formats.worldfile import Entity, parse_worldfile
 from multisrt.geometry.errors import MapFormatError, shortened
 from multisrt.geometry.numerics import libm
 from multisrt.geometry.numerics.kernel import FloatArray
+from multisrt.geometry.regions.overlay import difference_of
 
 FREE_SHARE: Final = 0.5
 """A pixel of a bitmap is free if its first channel is above this share of the largest value."""
@@ -349,7 +350,7 @@ class _World:
             (one,) = self.floorplans
             free = one.pose.place(one.free)
             require_few_overlaps(self.path, [free, *self.obstacles])
-            return free - shapely.union_all(self.obstacles) if self.obstacles else free
+            return difference_of(free, self.obstacles)
         placed = [plan.pose.place(plan.free) for plan in self.floorplans]
         walls = [plan.pose.place(plan.ground - plan.free) for plan in self.floorplans]
         require_few_overlaps(self.path, [*placed, *walls, *self.obstacles])

@@ -13,7 +13,7 @@ from multisrt.analysis.scans import scanned_regions
 from multisrt.environments.environment import Environment
 from multisrt.events import Learned, NodeAdded, NodeName, Sensed
 from multisrt.geometry.numerics.kernel import FloatArray
-from multisrt.geometry.regions.union import GRID_M, union_of
+from multisrt.geometry.regions.overlay import GRID_M, union_of
 from multisrt.recording import Recording
 
 

@@ -13,7 +13,7 @@ from multisrt.geometry.numerics.kernel import FloatArray, IntArray
 from multisrt.geometry.numerics.rings import Rings
 from multisrt.geometry.regions.frontier_arcs import arc_labels
 from multisrt.geometry.regions.known_space import KnownSpace
-from multisrt.geometry.regions.union import union_of
+from multisrt.geometry.regions.overlay import union_of
 from multisrt.robots.knowledge import Closing, ClosingId, Entries, Entry, Node, NodeId
 from multisrt.robots.local_frontiers import LocalFrontiers
 from multisrt.robots.node_regions import NodeRegions

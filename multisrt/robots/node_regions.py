@@ -14,7 +14,7 @@ from multisrt.geometry.numerics.kernel import IntArray
 from multisrt.geometry.numerics.point_hash import PointHash
 from multisrt.geometry.numerics.rings import Rings
 from multisrt.geometry.regions.known_space import KnownSpace
-from multisrt.geometry.regions.union import union_of
+from multisrt.geometry.regions.overlay import union_of
 from multisrt.geometry.regions.union_border import UnionBorder
 from multisrt.robots.knowledge import Node, NodeId
 

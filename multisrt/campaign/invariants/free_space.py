@@ -13,7 +13,7 @@ from multisrt.campaign.bodies import FloatArray
 from multisrt.campaign.judged_run import JudgedRun
 from multisrt.campaign.violations import Violation
 from multisrt.events import NodeAdded
-from multisrt.geometry.regions.union import GRID_M
+from multisrt.geometry.regions.overlay import GRID_M
 from multisrt.spec import RobotSpec
 
 NAME: Final = "free-is-free"

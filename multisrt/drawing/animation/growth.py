@@ -15,7 +15,7 @@ from multisrt.drawing.animation.pace import Pace
 from multisrt.environments.environment import Environment
 from multisrt.events import NodeAdded, Sensed
 from multisrt.geometry.numerics.kernel import FloatArray
-from multisrt.geometry.regions.union import union_of
+from multisrt.geometry.regions.overlay import union_of
 from multisrt.recording import Recording
 
 MIN_PIECE: Final = 3.0

@@ -20,7 +20,7 @@ from multisrt.geometry.configuration import Configuration, wrap_angle
 from multisrt.geometry.numerics import libm
 from multisrt.geometry.numerics.distances import inside
 from multisrt.geometry.numerics.kernel import FloatArray
-from multisrt.geometry.regions.union import union_of
+from multisrt.geometry.regions.overlay import union_of
 from multisrt.planners.motion.body import PlanningBody
 from multisrt.planners.motion.car import (
     ARRIVAL_TURNS,

@@ -10,7 +10,7 @@ from shapely.geometry.base import BaseGeometry
 
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.numerics.kernel import FloatArray
-from multisrt.geometry.regions.union import union_of
+from multisrt.geometry.regions.overlay import union_of
 from multisrt.planners.motion.body import PlanningBody
 from multisrt.planners.motion.car import MAX_SEED, Checks, car_out_and_back, car_trajectory
 from multisrt.planners.motion.kinematics import Car, Holonomic, turns_between

@@ -17,10 +17,10 @@ from multisrt.geometry.grids.raster import Raster
 from multisrt.geometry.regions.boundary import GAP, OBSTACLE
 from multisrt.geometry.regions.edge_index import EdgeIndex
 from multisrt.geometry.regions.frontier_arcs import frontier_candidates, total_length
+from multisrt.geometry.regions.overlay import GRID_M
 from multisrt.geometry.regions.safe_region import local_safe_region
 from multisrt.geometry.regions.scan import take_scan
 from multisrt.geometry.regions.shapes import Shape
-from multisrt.geometry.regions.union import GRID_M
 from multisrt.robots.exploration_map import ExplorationMap, Node, NodeId
 
 REACH = 3.0

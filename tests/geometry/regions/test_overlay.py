@@ -1,10 +1,11 @@
-"""Unions of regions against sampled points."""
+"""Unions of regions against sampled points, and differences that GEOS gets wrong."""
 
 import numpy as np
 import pytest
 import shapely
+from shapely import affinity
 
-from multisrt.geometry.regions.union import GRID_M, union_of
+from multisrt.geometry.regions.overlay import GRID_M, difference_of, union_of
 
 
 def covered(polygons, points):
@@ -43,3 +44,27 @@ def test_invalid_areas_are_made_valid():
 
 def test_the_union_of_nothing_is_empty():
     assert union_of([]).is_empty
+
+
+BOXES = [(5.5, 0.5, 6.5, 0.7), (7.25, 7.25, 7.45, 8.0), (1.25, 7.25, 4.25, 8.0)]
+
+
+def rotated(degrees):
+    shapes = [shapely.box(0.0, 0.0, 10.0, 8.0), *(shapely.box(*bounds) for bounds in BOXES)]
+    hall, *walls = (affinity.rotate(shape, degrees, origin=(0.0, 0.0)) for shape in shapes)
+    return hall, walls
+
+
+def test_no_wall_of_a_rotated_hall_is_lost():
+    # The second wall ends at the border of the hall, up to rounding; GEOS leaves out the third.
+    hall, walls = rotated(199.91693149343544)
+    free = difference_of(hall, walls)
+    assert free.area == pytest.approx(80.0 - 0.2 - 0.15 - 2.25)
+    assert not free.covers(walls[2].centroid)
+
+
+def test_corners_stay_as_they_are_given():
+    hall, walls = rotated(30.0)
+    free = difference_of(hall, walls)
+    assert {*hall.exterior.coords} <= {*map(tuple, shapely.get_coordinates(free).tolist())}
+    assert difference_of(hall, []) is hall

@@ -357,7 +357,26 @@ def page(runs: pd.DataFrame) -> list[str]:
             ),
             "",
         ]
-    return lines + _regrets(runs, present)
+    return lines + _regrets(runs, present) + list(TRIED)
+
+
+TRIED: Final = (
+    "## What was tried in vain",
+    "",
+    "None of these made a team faster, in worlds of the suites; the figures are on the pages of "
+    "the strategies.",
+    "",
+    "- Knowing beforehand the area that a scan at each frontier will show: not faster "
+    "([gain](../algorithms/gain.md#the-effect-of-tours-and-of-keeping-goals)). Guessing rooms and "
+    "corridors beyond frontiers can bring no more than this.",
+    "- Scans or choices more often: at most 0.99 of the time, with up to 2.5 times the computing.",
+    "- Assigning frontiers by the shortest longest tour, or going along the shortest tour without "
+    "values: 1.04 and 1.06.",
+    "- Routes of the whole team over all frontiers ([routes](../algorithms/routes.md)): 0.94 of "
+    "the time of `gain` with one robot, as fast in teams.",
+    "",
+)
+"""What did not help, with links to the pages that have the figures."""
 
 
 COLUMNS: Final = (

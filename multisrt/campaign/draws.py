@@ -36,7 +36,7 @@ MAX_AMPLE_VIEWS: Final = 60.0
 """Bound of robots times area, in squares of the shortest range, of runs that are to end by
 themselves. Teams with cars never are: their motions take longer to compute than all else."""
 
-WORK_S: Final = 1200.0
+WORK_S: Final = 400.0
 """Upper bound of time limit times number of robots in the other runs, mostly."""
 
 MAX_PLANNED_VIEWS: Final = 60.0

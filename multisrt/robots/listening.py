@@ -216,6 +216,27 @@ class Listener(ABC):
             if put_off is not None:
                 yield from self._ask_for_missing(*put_off)
 
+    def ask_again(self) -> Generator[Action, Outcome, bool]:
+        """Let questions without an answer end, and ask for what was heard of meanwhile.
+
+        To call before resting: nobody may ever report again.
+
+        Returns
+        -------
+        bool
+            Whether there was anything of the kind.
+        """
+        has_waited = False
+        while self._put_off:
+            has_waited = True
+            robot = min(self._put_off, key=lambda robot: (self._wanted[robot], robot))
+            over_s = self._wanted[robot] + self.period_s
+            yield from self.pause(max(0.0, over_s - self._clock.time_s))
+            put_off = self._put_off.pop(robot, None)
+            if put_off is not None:
+                yield from self._ask_for_missing(*put_off)
+        return has_waited
+
     @abstractmethod
     def _merge(self, entries: tuple[Entry, ...]) -> tuple[NodeId, ...]:
         """Add entries to the map; return the nodes that were new."""

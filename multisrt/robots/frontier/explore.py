@@ -439,8 +439,8 @@ class FrontierExplorer:
             yield from team.report()
         known = robot.raster.revision
         while robot.raster.revision == known and not team.requests.any_pending:
-            outcome = yield done
-            yield from team.take(outcome)
+            if not (yield from team.ask_again()):
+                yield from team.take((yield done))
         if team.requests.give_way is not None:
             return Event.ASKED
         team.requests.stop = team.requests.link = False

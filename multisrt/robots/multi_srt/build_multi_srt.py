@@ -62,8 +62,8 @@ class SrtExplorer:
                 if robot.deferred.is_due() and not self.is_out_of_time:
                     continue
             yield from bring_the_rest(robot, "it knows of nothing that is left to explore")
-            outcome = yield self.done()
-            yield from robot.team.take(outcome)
+            if not (yield from robot.team.ask_again()):
+                yield from robot.team.take((yield self.done()))
             yield from follow_orders(robot)
 
     def explore(self) -> Steps:

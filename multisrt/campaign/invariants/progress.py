@@ -36,12 +36,13 @@ def drives_get_somewhere(run: JudgedRun) -> Violation | None:
     """Check that no robot drives farther than the length of all walls without making progress.
 
     Between two events of progress, a robot drives at most the total length of all walls of the
-    world; any place is reached, and left again, on a shorter path. Progress of all robots is a
-    region that shows a place not seen by any of them (of about 4000 in the free space), the closing
-    of an arc, the end of a robot, and the beginning or end of a fault. Progress of one robot is
-    learning of a node of another robot, and choosing a goal in a square of 0.5 m in which it has
-    had none. In the SRT family a new node is progress. There are finitely many such events, so a
-    robot that drives to and fro for ever is found if its run is long enough.
+    world; any place is reached, and left again, on a shorter path. In the SRT family a robot goes
+    back on the trees instead: at most as far as all robots drove to extend them. Progress of all
+    robots is a region that shows a place not seen by any of them (of about 4000 in the free space),
+    the closing of an arc, the end of a robot, and the beginning or end of a fault. Progress of one
+    robot is learning of a node of another robot, and choosing a goal in a square of 0.5 m in which
+    it has had none. In the SRT family a new node is progress. There are finitely many such events,
+    so a robot that drives to and fro for ever is found if its run is long enough.
 
     Cost: each region tests the points that no earlier one has shown.
     """
@@ -52,13 +53,19 @@ def drives_get_somewhere(run: JudgedRun) -> Violation | None:
     for robot in run.robots:
         steps = np.unique([0.0, *shared, *_own_steps(run, robot), run.end_s])
         driven_m = np.diff(_driven_m(run, robot, steps))
-        if not (driven_m > limit_m).any():
+        limits_m = np.full(len(driven_m), limit_m)
+        if run.family == "srt":
+            trees_m = sum(_driven_m(run, other, steps[:-1]) for other in run.robots)
+            limits_m = np.maximum(limits_m, trees_m)
+        beyond_m = driven_m - limits_m
+        if not (beyond_m > 0.0).any():
             continue
-        longest = int(driven_m.argmax())
+        longest = int(beyond_m.argmax())
         return Violation(
             invariant=NAME,
             says=f"robot {robot} drives {driven_m[longest]:.1f} m from {steps[longest]:.2f} s "
-            f"to {steps[longest + 1]:.2f} s, without progress; all walls are {limit_m:.1f} m",
+            f"to {steps[longest + 1]:.2f} s, without progress; the limit is "
+            f"{limits_m[longest]:.1f} m",
             robot=robot,
             time_s=float(steps[longest]),
         )

@@ -52,6 +52,7 @@ def asked_by(steps):
                 asked.append((time_s, action.to))
             else:
                 assert isinstance(action, Receive)
+                assert action.timeout_s is not None
                 time_s += action.timeout_s
                 outcome = TimedOut(time_s=time_s)
             action = steps.send(outcome)

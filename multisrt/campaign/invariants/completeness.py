@@ -62,6 +62,9 @@ SRT_LEAST_M: Final = 0.1
 SRT_SCRAP_M: Final = 0.05
 """Unknown parts between its regions that hold no disc of this radius are scraps, in metres."""
 
+SAME_BORDER_M: Final = 0.02
+"""Borders of the SRT family's regions that are apart by this or less are one, in metres."""
+
 LEFT_M: Final = 0.01
 """A robot that was farther from its start than this has left it, in metres."""
 
@@ -90,8 +93,9 @@ def complete_is_complete(run: JudgedRun) -> Violation | None:
       place. The body keeps its margin and 0.02 m from walls and from the unknown area, and keeps
       away from the other bodies at that time, because arcs behind bodies that do not answer are
       left. Only the frontier of the robot's own tree counts, because other trees are left to their
-      robots. Places within `completion_spacing` times `d_min_m`, plus a cell of its lattice of
-      places, of a node do not count. Unknown parts that contain no disc of 0.05 m are ignored.
+      robots: the border of its regions that no other region covers. Places within
+      `completion_spacing` times `d_min_m`, plus a cell of its lattice of places, of a node do not
+      count. Unknown parts that contain no disc of 0.05 m are ignored.
 
     If `max_views` is less than 3, or `d_min_m` greater than the body's width, arcs that were closed
     as seen from nearby do not count either, because too few views of too large an area are allowed.
@@ -215,7 +219,10 @@ def _left(
     if run.family == "srt":
         looked = _looked_from(run, robot, names)
         own = [name for name in names if _root(run, name) == (robot, 0)]
-        only = united(run, own).simplify(0.01).buffer(3.0 * reach.scrap_m, quad_segs=2)
+        # The border of all that is known, where it is that of the own tree.
+        own_border = united(run, own).boundary.buffer(SAME_BORDER_M, quad_segs=2)
+        border = united(run, names).boundary.intersection(own_border)
+        only = border.simplify(0.01).buffer(3.0 * reach.scrap_m, quad_segs=2)
         if _gives_up_early(run, robot):
             only = only.difference(_seen_from_near(run).buffer(3.0 * reach.scrap_m, quad_segs=2))
     found = open_frontiers(

@@ -320,6 +320,12 @@ def page(runs: pd.DataFrame) -> list[str]:
         "time of its cell.",
         "",
     ]
+    if TURNING in present:
+        lines += [
+            f"`{TURNING}` is `utility` on the curves on which `gain` drives instead of turning in "
+            "place; what is left of the lead of `gain` is due to its choices.",
+            "",
+        ]
     for radio in (FULL, LIMITED):
         part = runs[runs["radio"] == radio]
         if part.empty:

@@ -276,15 +276,23 @@ def read(file: Path) -> pd.DataFrame:
 
 
 def best_of(runs: pd.DataFrame, names: Sequence[str], quantity: str) -> str:
-    """Return the strategy with the lowest geometric mean of its median times over cells."""
-    medians = _timed(runs, quantity).groupby(["strategy", *CELL], sort=True)[quantity].median()
+    """Return the strategy with the lowest geometric mean of its median times over cells.
+
+    Of those repetitions that all of them have.
+    """
+    medians = (
+        _timed(of_all(runs, names), quantity)
+        .groupby(["strategy", *CELL], sort=True)[quantity]
+        .median()
+    )
     means = np.log(medians).groupby("strategy").mean()
     return str(means.loc[[name for name in names if name in means.index]].idxmin())
 
 
 def beside_the_best(runs: pd.DataFrame, name: str, others: Sequence[str], quantity: str) -> float:
     """Return the geometric mean over cells of a median time over the lowest of other strategies."""
-    medians = _timed(runs, quantity).groupby([*CELL, "strategy"], sort=True)[quantity].median()
+    alike = of_all(runs, [name, *others])
+    medians = _timed(alike, quantity).groupby([*CELL, "strategy"], sort=True)[quantity].median()
     table = medians.unstack("strategy")
     ratios = table[name] / table[list(others)].min(axis=1)
     return float(np.exp(np.log(ratios.dropna()).mean()))
@@ -296,7 +304,7 @@ def page(runs: pd.DataFrame) -> list[str]:
     ours = [name for name in present if name in OURS]
     papers = [name for name in present if name in PAPERS]
     others = [name for name in present if name not in OURS]
-    maps = runs["environment"].isin(MAPS).any()
+    has_maps = runs["environment"].isin(MAPS).any()
     complete = (runs["status"] == "complete").mean()
     lines = [
         "# Beyond the papers",
@@ -309,7 +317,7 @@ def page(runs: pd.DataFrame) -> list[str]:
         f"{', '.join(map(str, sorted(runs['robots'].unique())))}, full and limited radio (10 m, "
         f"walls block), {_repetitions(runs)}; robots start close together. "
         "The worlds are of the suites, which no strategy was tuned on"
-        f"{', and maps of other projects' if maps else ''}. {complete:.1%} of the runs are "
+        f"{', and maps of other projects' if has_maps else ''}. {complete:.1%} of the runs are "
         f"complete; {runs['collisions'].sum():.0f} collisions. Runs are "
         "paired by seed. A ratio is that of the times, below 1 if the "
         "strategy of this project is faster, with its 95 % interval over all cells by inverting "
@@ -332,7 +340,7 @@ def page(runs: pd.DataFrame) -> list[str]:
             continue
         lines += [f"## With {radio} radio", ""]
         for quantity, words in QUANTITIES.items():
-            best = best_of(of_all(part, papers), papers, quantity)
+            best = best_of(part, papers, quantity)
             rows = [
                 _row(name, f"{other} (best)" if other == best else other, found)
                 for name in ours
@@ -343,10 +351,10 @@ def page(runs: pd.DataFrame) -> list[str]:
             lines += [
                 f"Against the strategy of the papers with the lowest median in each cell, which is "
                 f"known only afterwards, the mean of `{name}` is "
-                f"{beside_the_best(of_all(part, [name, *papers]), name, papers, quantity):.3f}.\n"
+                f"{beside_the_best(part, name, papers, quantity):.3f}.\n"
                 for name in ours
             ]
-        best = best_of(of_all(part, papers), papers, TIME)
+        best = best_of(part, papers, TIME)
         lines += [
             f"By team size, against `{best}`, time to 99 %:",
             "",
@@ -375,7 +383,8 @@ TRIED: Final = (
     "- Knowing beforehand the area that a scan at each frontier will show: not faster "
     "([gain](../algorithms/gain.md#the-effect-of-tours-and-of-keeping-goals)). Guessing rooms and "
     "corridors beyond frontiers can bring no more than this.",
-    "- Scans or choices more often: at most 0.99 of the time, with up to 2.5 times the computing.",
+    "- More frequent scans or choices: at best 0.99 of the time, with up to 2.5 times the "
+    "computing time.",
     "- Assigning frontiers by the shortest longest tour, or going along the shortest tour without "
     "values: 1.04 and 1.06.",
     "- Routes of the whole team over all frontiers ([routes](../algorithms/routes.md)): 0.94 of "

@@ -17,7 +17,7 @@ GRID_M: Final = 1e-9
 """Spacing in metres of the grid to which corners of a union are rounded."""
 
 
-def union_of(areas: Iterable[BaseGeometry]) -> BaseGeometry:
+def union_on_grid(areas: Iterable[BaseGeometry]) -> BaseGeometry:
     """Return the union of areas whose borders may coincide up to rounding, as those of scans do.
 
     Corners are rounded to a grid of `GRID_M`.
@@ -37,7 +37,7 @@ def union_of(areas: Iterable[BaseGeometry]) -> BaseGeometry:
     >>> near, far = (-0.08800000000000008, 8.38), (3.144, 8.717)
     >>> left = shapely.Polygon([(-1.1, 8.3), (-1.2, 7.2), near, far])
     >>> right = shapely.Polygon([(-1.1, 6.9), (-0.088, 8.38), far])
-    >>> round(left.area, 3), round(right.area, 3), round(union_of([left, right]).area, 3)
+    >>> round(left.area, 3), round(right.area, 3), round(union_on_grid([left, right]).area, 3)
     (0.594, 2.221, 2.815)
     """
     valid = shapely.make_valid(

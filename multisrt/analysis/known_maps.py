@@ -13,7 +13,7 @@ from multisrt.analysis.scans import scanned_regions
 from multisrt.environments.environment import Environment
 from multisrt.events import Learned, NodeAdded, NodeName, Sensed
 from multisrt.geometry.numerics.kernel import FloatArray
-from multisrt.geometry.regions.overlay import GRID_M, union_of
+from multisrt.geometry.regions.overlay import GRID_M, union_on_grid
 from multisrt.recording import Recording
 
 
@@ -117,7 +117,7 @@ def areas_known(
             ]
             if new:
                 before = known.get(maker, shapely.MultiPolygon())
-                known[maker] = union_of([before, *new])
+                known[maker] = union_on_grid([before, *new])
         begin = time_s
         found.append(
             {

@@ -13,7 +13,7 @@ from multisrt.geometry.numerics.kernel import FloatArray, IntArray
 from multisrt.geometry.numerics.rings import Rings
 from multisrt.geometry.regions.frontier_arcs import arc_labels
 from multisrt.geometry.regions.known_space import KnownSpace
-from multisrt.geometry.regions.overlay import union_of
+from multisrt.geometry.regions.overlay import union_on_grid
 from multisrt.robots.knowledge import Closing, ClosingId, Entries, Entry, Node, NodeId
 from multisrt.robots.local_frontiers import LocalFrontiers
 from multisrt.robots.node_regions import NodeRegions
@@ -470,7 +470,7 @@ class ExplorationMap:
         BaseGeometry
             Polygons of shapely, in metres.
         """
-        return union_of(node.region.polygon() for node in self.nodes)
+        return union_on_grid(node.region.polygon() for node in self.nodes)
 
     def raster(self, cell_m: float) -> Raster:
         """Return a raster of the union of all regions, which `add` keeps up to date.

@@ -217,14 +217,14 @@ class Listener(ABC):
                 yield from self._ask_for_missing(*put_off)
 
     def ask_again(self) -> Generator[Action, Outcome, bool]:
-        """Let questions without an answer end, and ask for what was heard of meanwhile.
+        """Wait until unanswered questions expire, and ask for what was reported meanwhile.
 
-        To call before resting: nobody may ever report again.
+        Call it before resting, as no other report may come.
 
         Returns
         -------
         bool
-            Whether there was anything of the kind.
+            Whether anything had been reported meanwhile.
         """
         has_waited = False
         while self._put_off:
@@ -234,6 +234,7 @@ class Listener(ABC):
             yield from self.pause(max(0.0, over_s - self._clock.time_s))
             put_off = self._put_off.pop(robot, None)
             if put_off is not None:
+                del self._wanted[robot]
                 yield from self._ask_for_missing(*put_off)
         return has_waited
 

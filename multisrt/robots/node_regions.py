@@ -14,7 +14,7 @@ from multisrt.geometry.numerics.kernel import IntArray
 from multisrt.geometry.numerics.point_hash import PointHash
 from multisrt.geometry.numerics.rings import Rings
 from multisrt.geometry.regions.known_space import KnownSpace
-from multisrt.geometry.regions.overlay import union_of
+from multisrt.geometry.regions.overlay import union_on_grid
 from multisrt.geometry.regions.union_border import UnionBorder
 from multisrt.robots.knowledge import Node, NodeId
 
@@ -84,7 +84,7 @@ class NodeRegions:
     def local_union(self, x: float, y: float, half_width_m: float) -> BaseGeometry:
         """Return the union of the regions inside a window, as a shapely geometry."""
         window, near = self._window(x, y, half_width_m)
-        return union_of(shapely.intersection(self._polygons(near), shapely.box(*window)))
+        return union_on_grid(shapely.intersection(self._polygons(near), shapely.box(*window)))
 
     def _window(self, x: float, y: float, half_width_m: float) -> tuple[Box, IntArray]:
         # A square around a place, and the nodes whose regions reach into it, ordered by id.

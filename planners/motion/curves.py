@@ -63,8 +63,7 @@ class Curves:
         set_state(self._from, start)
         set_state(self._to, goal)
         for share in shares:
-            self._space.interpolate(self._from, self._to, share, self._on)
-            yield Configuration(self._on.getX(), self._on.getY(), self._on.getYaw())
+            yield Configuration(*self._pose_at(share))
 
     def curve(self, start: Configuration, goal: Configuration, speed_m_s: float) -> Trajectory:
         """Return the motion along the shortest curve; its last waypoint is exactly the goal."""
@@ -85,7 +84,7 @@ class Curves:
             return np.array([(goal.x, goal.y, 0.0, length)])
         count = max(6, math.ceil(length / (COARSE_RAD * self.radius_m)))
         shares = [k / count for k in range(count + 1)]
-        points = [self._at(share, length) for share in shares]
+        points = [(share * length, *self._pose_at(share)) for share in shares]
         while True:
             pieces, unclear = _pieces_of(np.array(points), self.radius_m)
             if not unclear.any():
@@ -93,11 +92,11 @@ class Curves:
             # Bisect the intervals that may hold more than one piece.
             for k in np.flatnonzero(unclear)[::-1].tolist():
                 middle = 0.5 * (points[k][0] + points[k + 1][0]) / length
-                points.insert(k + 1, self._at(middle, length))
+                points.insert(k + 1, (middle * length, *self._pose_at(middle)))
 
-    def _at(self, share: float, length: float) -> tuple[float, float, float, float]:
+    def _pose_at(self, share: float) -> tuple[float, float, float]:
         self._space.interpolate(self._from, self._to, share, self._on)
-        return share * length, self._on.getX(), self._on.getY(), self._on.getYaw()
+        return self._on.getX(), self._on.getY(), self._on.getYaw()
 
 
 @lru_cache(maxsize=16)

@@ -63,7 +63,7 @@ SRT_SCRAP_M: Final = 0.05
 """Unknown parts between its regions that hold no disc of this radius are scraps, in metres."""
 
 SAME_BORDER_M: Final = 0.02
-"""Borders of the SRT family's regions that are apart by this or less are one, in metres."""
+"""Maximum distance in metres between borders of the SRT family's regions that count as one."""
 
 LEFT_M: Final = 0.01
 """A robot that was farther from its start than this has left it, in metres."""

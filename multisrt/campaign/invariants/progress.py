@@ -36,13 +36,14 @@ def drives_get_somewhere(run: JudgedRun) -> Violation | None:
     """Check that no robot drives farther than the length of all walls without making progress.
 
     Between two events of progress, a robot drives at most the total length of all walls of the
-    world; any place is reached, and left again, on a shorter path. In the SRT family a robot goes
-    back on the trees instead: at most as far as all robots drove to extend them. Progress of all
-    robots is a region that shows a place not seen by any of them (of about 4000 in the free space),
-    the closing of an arc, the end of a robot, and the beginning or end of a fault. Progress of one
-    robot is learning of a node of another robot, and choosing a goal in a square of 0.5 m in which
-    it has had none. In the SRT family a new node is progress. There are finitely many such events,
-    so a robot that drives to and fro for ever is found if its run is long enough.
+    world; any place is reached, and left again, on a shorter path. In the SRT family robots return
+    along their trees, which may be longer: there the limit is at least the distance that all robots
+    together have driven by then. Progress of all robots is a region that shows a place not seen by
+    any of them (of about 4000 in the free space), the closing of an arc, the end of a robot, and
+    the beginning or end of a fault. Progress of one robot is learning of a node of another robot,
+    and choosing a goal in a square of 0.5 m in which it has had none. In the SRT family a new node
+    is progress. There are finitely many such events, so a robot that drives to and fro for ever is
+    found if its run is long enough.
 
     Cost: each region tests the points that no earlier one has shown.
     """

@@ -15,7 +15,7 @@ from multisrt.drawing.animation.pace import Pace
 from multisrt.environments.environment import Environment
 from multisrt.events import NodeAdded, Sensed
 from multisrt.geometry.numerics.kernel import FloatArray
-from multisrt.geometry.regions.overlay import union_of
+from multisrt.geometry.regions.overlay import union_on_grid
 from multisrt.recording import Recording
 
 MIN_PIECE: Final = 3.0
@@ -70,7 +70,7 @@ def pieces(
         new: list[BaseGeometry] = []
         for robot, region in _by_robot(group, tolerance_m):
             around = shapely.box(*region.bounds)
-            known = union_of([_areal(seen.intersection(around)), *new])
+            known = union_on_grid([_areal(seen.intersection(around)), *new])
             piece = _areal(shapely.difference(region, known, grid_size=tolerance_m / 8.0))
             rings = _rings(piece, tolerance_m)
             if rings:

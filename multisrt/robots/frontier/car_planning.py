@@ -20,7 +20,7 @@ from multisrt.geometry.configuration import Configuration, wrap_angle
 from multisrt.geometry.numerics import libm
 from multisrt.geometry.numerics.distances import inside
 from multisrt.geometry.numerics.kernel import FloatArray
-from multisrt.geometry.regions.overlay import union_of
+from multisrt.geometry.regions.overlay import union_on_grid
 from multisrt.planners.motion.body import PlanningBody
 from multisrt.planners.motion.car import (
     ARRIVAL_TURNS,
@@ -177,7 +177,7 @@ class CarPlanner:
                     chosen[i] = None
                     break
         regions = [self._map.region, *(self._nodes[i].region for i in chosen)]
-        return union_of(region.polygon() for region in regions)
+        return union_on_grid(region.polygon() for region in regions)
 
     def _bodies_beside(self, path: FloatArray, seen: Sequence[Sighting]) -> BaseGeometry:
         """Return the bodies to drive round, with the distance to keep from them.

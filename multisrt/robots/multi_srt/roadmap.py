@@ -10,7 +10,7 @@ from shapely.geometry.base import BaseGeometry
 
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.numerics.kernel import FloatArray
-from multisrt.geometry.regions.overlay import union_of
+from multisrt.geometry.regions.overlay import union_on_grid
 from multisrt.planners.motion.body import PlanningBody
 from multisrt.planners.motion.car import MAX_SEED, Checks, car_out_and_back, car_trajectory
 from multisrt.planners.motion.kinematics import Car, Holonomic, turns_between
@@ -180,7 +180,7 @@ class SrtRoadmap:
     def _curve(self, a: Node, b: Node) -> Trajectory | None:
         # The shortest curve of a car between two nodes that stays in their regions.
         assert isinstance(self.me.kinematics, Car)
-        region = union_of([a.region.polygon(), b.region.polygon()])
+        region = union_on_grid([a.region.polygon(), b.region.polygon()])
         start, goal = a.configuration, b.configuration
         return car_trajectory(self.body, self.me.kinematics, region, start, goal, 1, max_checks=0)
 

@@ -5,7 +5,7 @@ import pytest
 import shapely
 from shapely import affinity
 
-from multisrt.geometry.regions.overlay import GRID_M, difference_of, union_of
+from multisrt.geometry.regions.overlay import GRID_M, difference_of, union_on_grid
 
 
 def covered(polygons, points):
@@ -18,7 +18,7 @@ def test_a_part_beside_borders_that_nearly_coincide_is_kept():
         [(-1.1, 8.3), (-1.2, 7.2), (-0.08800000000000008, 8.38), (3.144, 8.717)]
     )
     second = shapely.Polygon([(-1.1, 6.9), (-0.088, 8.38), (3.144, 8.717)])
-    union = union_of([first, second])
+    union = union_on_grid([first, second])
     assert union.area == pytest.approx(first.area + second.area)
     assert shapely.contains_xy(union, *shapely.get_coordinates(first.representative_point())[0])
 
@@ -29,7 +29,7 @@ def test_a_union_is_what_any_of_its_areas_covers(seed):
     rng = np.random.default_rng(seed)
     corners = rng.integers(0, 6, (12, 3, 2)) / 3.0 + rng.choice([0.0, 1e-16, 1e-15], (12, 3, 2))
     triangles = [polygon for polygon in map(shapely.Polygon, corners) if polygon.area > 0.0]
-    union = union_of(triangles)
+    union = union_on_grid(triangles)
     assert union.is_valid
     points = rng.uniform(0.0, 2.0, (2000, 2))
     off = shapely.distance(shapely.points(points), shapely.union_all(shapely.boundary(triangles)))
@@ -39,11 +39,11 @@ def test_a_union_is_what_any_of_its_areas_covers(seed):
 
 def test_invalid_areas_are_made_valid():
     bow_tie = shapely.Polygon([(0, 0), (2, 2), (2, 0), (0, 2)])
-    assert union_of([bow_tie, shapely.box(0.0, 0.0, 0.5, 0.5)]).area == pytest.approx(2.125)
+    assert union_on_grid([bow_tie, shapely.box(0.0, 0.0, 0.5, 0.5)]).area == pytest.approx(2.125)
 
 
 def test_the_union_of_nothing_is_empty():
-    assert union_of([]).is_empty
+    assert union_on_grid([]).is_empty
 
 
 BOXES = [(5.5, 0.5, 6.5, 0.7), (7.25, 7.25, 7.45, 8.0), (1.25, 7.25, 4.25, 8.0)]

@@ -11,6 +11,7 @@ from typing import Final
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 from shapely.geometry.base import BaseGeometry
 
 GRID_M: Final = 1e-9
@@ -73,8 +74,28 @@ def difference_of(area: BaseGeometry, others: Sequence[BaseGeometry]) -> BaseGeo
     if not others:
         return area
     exact = area.difference(shapely.union_all(others))
+    solid: NDArray[np.object_] = np.asarray(others, np.object_)
+    apart = _apart_inside(area, solid)
     grid_m = max(GRID_M, 1e-14 * float(np.abs(shapely.bounds(area)).max()))
+    rounded = _rounded_difference(area, solid[~apart], grid_m)
+    # What lies apart takes away its own area.
+    off_m2 = exact.area - (rounded.area - shapely.area(solid[apart]).sum())
+    if abs(off_m2) <= grid_m * shapely.length([area, *others]).sum():
+        return exact
+    return _rounded_difference(rounded, solid[apart], grid_m)
+
+
+def _apart_inside(area: BaseGeometry, others: NDArray[np.object_]) -> NDArray[np.bool_]:
+    """Return which of some areas lie within another area and apart from each other."""
+    met, _ = shapely.STRtree(others).query(others)
+    alone: NDArray[np.bool_] = np.bincount(met, minlength=len(others)) == 1
+    shapely.prepare(area)
+    return alone & shapely.contains_properly(area, others)
+
+
+def _rounded_difference(
+    area: BaseGeometry, others: NDArray[np.object_], grid_m: float
+) -> BaseGeometry:
+    """Return an area without others; corners are rounded to a grid."""
     solid = shapely.union_all(others, grid_size=grid_m)
-    rounded = shapely.difference(area, solid, grid_size=grid_m)
-    lengths_m = float(shapely.length([area, *others]).sum())
-    return exact if abs(exact.area - rounded.area) <= grid_m * lengths_m else rounded
+    return shapely.difference(area, solid, grid_size=grid_m)

@@ -545,7 +545,7 @@ def test_without_a_terminal_a_line_names_the_longest_run(monkeypatch, capsys, tm
     spec = ExperimentSpec(name="x", environments=("open",), strategies=("minpos",))
     run = runs(spec)[2]
     now = progress(99, 20, 60.0, failed=1)
-    with LiveProgress() as bar, now.under_way.making(job_of(run, spec)):
+    with now.under_way.making(job_of(run, spec)), LiveProgress() as bar:
         bar(now)
         time.sleep(0.3)
     told = r"99 of 100 runs, 1 unsuccessful; open, minpos, 1 robot, repetition 2 has run for \d s\n"

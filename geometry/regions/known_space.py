@@ -213,11 +213,21 @@ def _distance_to_path(ax: float, ay: float, bx: float, by: float, dx: float, dy:
 
 @kernel
 def _sees(x: float, y: float, places: FloatArray, border: FloatArray) -> BoolArray:
+    # Pieces of the border in the order of their distance: what lies behind a place hides nothing.
+    away = np.empty(border.shape[0])
+    for b in range(border.shape[0]):
+        away[b] = squared_distance(
+            border[b, 0] - x, border[b, 1] - y, border[b, 2] - x, border[b, 3] - y
+        )
+    order = np.argsort(away)
     sees = np.ones(places.shape[0], np.bool_)
     for i in range(places.shape[0]):
         dx, dy = places[i, 0] - x, places[i, 1] - y
         left, right, low, high = min(0.0, dx), max(0.0, dx), min(0.0, dy), max(0.0, dy)
-        for b in range(border.shape[0]):
+        reach = (1.0 + 1e-9) * (dx * dx + dy * dy)
+        for b in order:
+            if away[b] > reach:
+                break
             ax, ay, bx, by = border[b, 0] - x, border[b, 1] - y, border[b, 2] - x, border[b, 3] - y
             if max(ax, bx) < left or min(ax, bx) > right or max(ay, by) < low or min(ay, by) > high:
                 continue

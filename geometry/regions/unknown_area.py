@@ -19,6 +19,9 @@ RAYS: Final = 72
 ON_WALL_M: Final = 1e-6
 """Obstacles within this distance in metres of where a ray begins do not stop it."""
 
+SLACK_M: Final = 1e-6
+"""By this much in metres, for rounding, bounding boxes are larger than needed."""
+
 
 def unknown_areas(
     places: FloatArray, range_m: float, regions: Sequence[LocalSafeRegion]
@@ -70,11 +73,12 @@ def _unknown_areas(
     places: FloatArray, range_m: float, corners: FloatArray, walls: BoolArray, starts: IntArray
 ) -> FloatArray:
     rings = starts.shape[0] - 1
-    boxes = np.empty((rings, 4))
+    middles, halves = np.empty((rings, 2)), np.empty((rings, 2))  # of bounding boxes
     for ring in range(rings):
-        of_ring = corners[starts[ring] : starts[ring + 1]]
-        boxes[ring, 0], boxes[ring, 1] = of_ring[:, 0].min(), of_ring[:, 1].min()
-        boxes[ring, 2], boxes[ring, 3] = of_ring[:, 0].max(), of_ring[:, 1].max()
+        for axis in range(2):
+            of_ring = corners[starts[ring] : starts[ring + 1], axis]
+            middles[ring, axis] = 0.5 * (of_ring.max() + of_ring.min())
+            halves[ring, axis] = 0.5 * (of_ring.max() - of_ring.min()) + SLACK_M
     spans = np.empty((corners.shape[0] + 1, 2))
     crossings = np.empty(corners.shape[0] + 1)
     areas = np.zeros(places.shape[0])
@@ -86,13 +90,14 @@ def _unknown_areas(
             dx, dy = math.cos(angle), math.sin(angle)
             limit, count = range_m, 0
             for ring in range(rings):
-                x0, x1 = min(x, x + range_m * dx), max(x, x + range_m * dx)
-                y0, y1 = min(y, y + range_m * dy), max(y, y + range_m * dy)
+                to_x, to_y = middles[ring, 0] - x, middles[ring, 1] - y
+                across = halves[ring, 0] * abs(dy) + halves[ring, 1] * abs(dx)
+                along = halves[ring, 0] * abs(dx) + halves[ring, 1] * abs(dy)
+                ahead = dx * to_x + dy * to_y
                 if (
-                    boxes[ring, 0] > x1
-                    or boxes[ring, 2] < x0
-                    or boxes[ring, 1] > y1
-                    or boxes[ring, 3] < y0
+                    abs(dx * to_y - dy * to_x) > across
+                    or ahead + along < 0.0
+                    or ahead - along > range_m
                 ):
                     continue
                 first, last = starts[ring], starts[ring + 1]

@@ -36,6 +36,9 @@ MAX_AMPLE_VIEWS: Final = 60.0
 """Bound of robots times area, in squares of the shortest range, of runs that are to end by
 themselves. Teams with cars never are: their motions take longer to compute than all else."""
 
+BALL_M: Final = 1.5
+"""Reach in metres of balls, which end at the nearest wall, for `MAX_AMPLE_VIEWS`."""
+
 WORK_S: Final = 400.0
 """Upper bound of time limit times number of robots in the other runs, mostly."""
 
@@ -175,8 +178,10 @@ def candidate(seed: int, number: int, attempt: int) -> RunSpec:
     where = _pool_world(seed, chance.whole(0, POOL - 1))
     environment = world_of(where)
     robots = draw_robots(chance, environment)
-    shortest_m = min(robot.range_finder.range_m for robot in robots)
-    views = len(robots) * environment.area_m2 / shortest_m**2
+    reach_m = min(robot.range_finder.range_m for robot in robots)
+    if name == "srt-ball":
+        reach_m = min(reach_m, BALL_M)
+    views = len(robots) * environment.area_m2 / reach_m**2
     if strategy(name).sees_truth and views > MAX_PLANNED_VIEWS:
         raise InvalidInputError("a plan for so many robots in such a world takes too long")
     radio = draw_radio(chance, robots)

@@ -14,6 +14,7 @@ from multisrt.geometry.numerics.rings import Rings
 from multisrt.geometry.regions.frontier_arcs import arc_labels
 from multisrt.geometry.regions.known_space import KnownSpace
 from multisrt.geometry.regions.overlay import union_on_grid
+from multisrt.geometry.regions.safe_region import LocalSafeRegion
 from multisrt.robots.knowledge import Closing, ClosingId, Entries, Entry, Node, NodeId
 from multisrt.robots.local_frontiers import LocalFrontiers
 from multisrt.robots.node_regions import NodeRegions
@@ -382,6 +383,25 @@ class ExplorationMap:
         found = self._regions.places.within(x, y, radius_m).tolist()
         ids = sorted(self._regions.ids[number] for number in found)
         return [self.entries.nodes[node_id] for node_id in ids]
+
+    def regions_reaching(self, x: float, y: float, half_width_m: float) -> list[LocalSafeRegion]:
+        """Return the regions that may reach into a square window: those whose boxes do.
+
+        Parameters
+        ----------
+        x, y : float
+            Centre of the window in metres.
+        half_width_m : float
+            Half the width of the window in metres.
+
+        Returns
+        -------
+        list of LocalSafeRegion
+            Ordered by the ids of their nodes.
+        """
+        _, reaching = self._regions.in_window(x, y, half_width_m)
+        ids = self._regions.ids
+        return [self.entries.nodes[ids[number]].region for number in reaching.tolist()]
 
     def places_near(self, x: float, y: float, radius_m: float) -> FloatArray:
         """Return the places of the nodes within a radius of a place.

@@ -76,22 +76,22 @@ class NodeRegions:
         ids = self.id_rows[pairs[:, 1]]
         return pairs[np.lexsort((ids[:, 1], ids[:, 0], pairs[:, 0]))]
 
-    def known_space(self, x: float, y: float, half_width_m: float) -> KnownSpace:
-        """Return the union of the regions inside a window, for bodies that move in it."""
-        window, near = self._window(x, y, half_width_m)
-        return KnownSpace(self.rings, near, window, self._border)
-
-    def local_union(self, x: float, y: float, half_width_m: float) -> BaseGeometry:
-        """Return the union of the regions inside a window, as a shapely geometry."""
-        window, near = self._window(x, y, half_width_m)
-        return union_on_grid(shapely.intersection(self._polygons(near), shapely.box(*window)))
-
-    def _window(self, x: float, y: float, half_width_m: float) -> tuple[Box, IntArray]:
-        # A square around a place, and the nodes whose regions reach into it, ordered by id.
+    def in_window(self, x: float, y: float, half_width_m: float) -> tuple[Box, IntArray]:
+        """Return a square window, and the nodes whose regions' boxes meet it, ordered by id."""
         window = (x - half_width_m, y - half_width_m, x + half_width_m, y + half_width_m)
         near = self.places.within(x, y, math.sqrt(2.0) * half_width_m + self.reach_m)
         near = self.rings.meeting(near, window)
         return window, np.array(sorted(near.tolist(), key=self.ids.__getitem__), np.int64)
+
+    def known_space(self, x: float, y: float, half_width_m: float) -> KnownSpace:
+        """Return the union of the regions inside a window, for bodies that move in it."""
+        window, near = self.in_window(x, y, half_width_m)
+        return KnownSpace(self.rings, near, window, self._border)
+
+    def local_union(self, x: float, y: float, half_width_m: float) -> BaseGeometry:
+        """Return the union of the regions inside a window, as a shapely geometry."""
+        window, near = self.in_window(x, y, half_width_m)
+        return union_on_grid(shapely.intersection(self._polygons(near), shapely.box(*window)))
 
     def _polygons(self, numbers: IntArray) -> NDArray[np.object_]:
         # The regions as shapely polygons, all made at once.

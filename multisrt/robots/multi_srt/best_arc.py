@@ -15,7 +15,7 @@ Nothing is drawn at random. Groups, the master, motions and the trees are as wit
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Callable, Collection, Generator, Iterator
 from dataclasses import replace
 from typing import Final, NamedTuple
 
@@ -43,6 +43,10 @@ MAX_RECORDED: Final = 10
 
 Wanted = Callable[[NodeId], bool]
 """Whether a node has arcs that the robot may go to."""
+
+
+ArcKey = tuple[NodeId, float, float]
+"""The node of an arc, and x and y of its middle."""
 
 
 class ValuedArc(NamedTuple):
@@ -94,9 +98,9 @@ def best_arc(
     place : NewPlace
         The place. None in place of both, if no arc is left that the robot can reach.
     """
-    late: list[ValuedArc] = []
+    late: set[ArcKey] = set()
     while True:
-        ranked = [arc for arc in valued_arcs(robot, wanted) if not _is_among(arc, late)]
+        ranked = valued_arcs(robot, wanted, late)
         draws.arcs = [(a.x, a.y, a.area_m2, a.way_m, a.value) for a in ranked[:MAX_RECORDED]]
         if not ranked:
             return None
@@ -109,18 +113,14 @@ def best_arc(
                     robot.views.forget_look()
                 return found.is_interim, place
             robot.views.forget_look()
-            late.append(best)
+            late.add((best.node, best.x, best.y))
         elif isinstance(found, Barred):
             yield from robot.trees.defer(best.node, best.arc, found.bodies)
         else:
             yield from robot.trees.close(best.node, best.arc, found)
 
 
-def _is_among(arc: ValuedArc, others: list[ValuedArc]) -> bool:
-    return any(arc.node == other.node and (arc.x, arc.y) == (other.x, other.y) for other in others)
-
-
-def valued_arcs(robot: SrtRobot, wanted: Wanted) -> list[ValuedArc]:
+def valued_arcs(robot: SrtRobot, wanted: Wanted, late: Collection[ArcKey] = ()) -> list[ValuedArc]:
     """Return arcs with their values, the highest first; of equal ones that of the shortest way.
 
     Arcs so far away that they cannot have the highest value are left out.
@@ -131,6 +131,8 @@ def valued_arcs(robot: SrtRobot, wanted: Wanted) -> list[ValuedArc]:
         The robot, at a node.
     wanted : callable
         Whether a node has arcs to be valued.
+    late : collection of ArcKey
+        Arcs that are left out, as the robot has no time for the place that sees them.
 
     Returns
     -------
@@ -149,10 +151,12 @@ def valued_arcs(robot: SrtRobot, wanted: Wanted) -> list[ValuedArc]:
         place = robot.map[node].configuration
         for arc in robot.deferred.arcs(node):
             x, y, *_ = arc_points(arc, range_m)[0]
+            if (node, x, y) in late:
+                continue
             turned = _turn(robot, x, y) if turn is None else turn
             way_m = to_node_m + math.dist(place[:2], (x, y)) + options.turn_m_per_rad * turned
-            near = [other.region for other in robot.map.near(x, y, 2.0 * range_m)]
-            (area_m2,) = unknown_areas(np.array([[x, y]]), range_m, near).tolist()
+            around = robot.map.regions_reaching(x, y, range_m)
+            (area_m2,) = unknown_areas(np.array([[x, y]]), range_m, around).tolist()
             left = math.prod(min(1.0, math.dist((x, y), other) / range_m) for other in taken)
             worth = (area_m2 + options.return_area_m2) * left
             value = worth * (way_m + NEAREST_M) ** -options.power
@@ -218,11 +222,11 @@ def first_view(robot: SrtRobot, place: NewPlace) -> NewPlace:
     shares = np.arange(1, count + 1)[:, None] / count
     stops = (1.0 - shares) * np.array(start) + shares * np.array(end)
     stops[-1] = end
-    around = robot.map.near(*end, length_m + 2.0 * range_m)
-    nodes = np.array([node.configuration[:2] for node in around])
     spacing_m = options.completion_spacing * robot.planner.d_min_m
+    nodes = robot.map.places_near(*end, length_m + spacing_m)
     stops = np.vstack([stops[:-1][nearest_points(nodes, stops[:-1]) >= spacing_m], stops[-1:]])
-    areas = unknown_areas(stops, range_m, [node.region for node in around])
+    around = robot.map.regions_reaching(*end, length_m + range_m)
+    areas = unknown_areas(stops, range_m, around)
     if not areas.max():
         return place
     first = int(np.argmax(areas >= options.stop_share * areas.max()))

@@ -32,17 +32,17 @@ MAX_ATTEMPTS: Final = 200
 AMPLE_S: Final = 6000.0
 """Time limit of a run times its number of robots, in seconds, if it is to end by itself."""
 
-MAX_AMPLE_VIEWS: Final = 60.0
+MAX_AMPLE_VIEWS: Final = 25.0
 """Bound of robots times area, in squares of the shortest range, of runs that are to end by
 themselves. Teams with cars never are: their motions take longer to compute than all else."""
 
 BALL_M: Final = 1.5
 """Reach in metres of balls, which end at the nearest wall, for `MAX_AMPLE_VIEWS`."""
 
-WORK_S: Final = 400.0
+WORK_S: Final = 200.0
 """Upper bound of time limit times number of robots in the other runs, mostly."""
 
-MAX_PLANNED_VIEWS: Final = 60.0
+MAX_PLANNED_VIEWS: Final = 25.0
 """Bound of robots times area, in squares of the shortest range, for strategies that plan on the
 true map: their plans take longer than all else."""
 

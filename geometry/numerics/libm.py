@@ -120,10 +120,10 @@ def _of_one(function: Callable[[FloatArray], FloatArray], values: ArrayLike) -> 
 def _of_two(
     function: Callable[[FloatArray, FloatArray], FloatArray], one: ArrayLike, other: ArrayLike
 ) -> FloatArray:
-    y, x = np.asarray(one, np.float64), np.asarray(other, np.float64)
-    shape = np.broadcast_shapes(y.shape, x.shape)
-    a, b = (np.broadcast_to(each, shape).copy().reshape(-1) for each in (y, x))
-    return function(a, b).reshape(shape)
+    shape = np.broadcast(one, other).shape
+    y, x = np.empty(shape), np.empty(shape)
+    y[...], x[...] = one, other
+    return function(y.reshape(-1), x.reshape(-1)).reshape(shape)
 
 
 @kernel

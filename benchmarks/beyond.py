@@ -30,6 +30,7 @@ from multisrt.experiments.spec import (
     ExperimentSpec,
     Only,
     RadioChoice,
+    StartsChoice,
     StrategyChoice,
 )
 from multisrt.presets.summary import markdown_table
@@ -168,7 +169,8 @@ def experiment(
         environments=tuple(worlds),
         strategies=tuple(CHOICES.get(name) or StrategyChoice(name=name) for name in strategies),
         robots=tuple(teams),
-        starts=("clustered",),
+        # Each repetition begins elsewhere: from one place, runs without chance would be copies.
+        starts=(StartsChoice(how="clustered", first="drawn"),),
         radios=RADIOS,
         exclude=(Only(robots=1, radio=LIMITED),) if 1 in teams else (),
         repetitions=repetitions,
@@ -315,7 +317,8 @@ def page(runs: pd.DataFrame) -> list[str]:
         "",
         f"{len(runs):,} runs: {runs['environment'].nunique()} worlds, teams of "
         f"{', '.join(map(str, sorted(runs['robots'].unique())))}, full and limited radio (10 m, "
-        f"walls block), {_repetitions(runs)}; robots start close together. "
+        f"walls block), {_repetitions(runs)}; the robots of a team start close "
+        "together, in each repetition at another place, which is drawn. "
         "The worlds are of the suites, which no strategy was tuned on"
         f"{', and maps of other projects' if has_maps else ''}. {complete:.1%} of the runs are "
         f"complete; {runs['collisions'].sum():.0f} collisions. Runs are "

@@ -1,3 +1,4 @@
+from collections import defaultdict
 from itertools import product
 
 import numpy as np
@@ -179,6 +180,16 @@ def test_a_crashed_run_gives_way_to_a_whole_one():
 def test_repetitions_go_on_from_a_seed():
     spec = experiment(None, repetitions=2, reference=False, strategies=("gain",), first_seed=5)
     assert {run.spec.seed for run in runs_of(spec)} == {5, 6}
+
+
+def test_each_repetition_begins_elsewhere_and_all_strategies_there():
+    spec = experiment(None, repetitions=3, reference=False, strategies=("gain", "utility"))
+    starts = defaultdict(set)
+    for run in runs_of(spec):
+        if run.condition.environment == "indoor-30/03":
+            starts[run.spec.seed].add(run.spec.robots[0].start)
+    assert [len(first) for first in starts.values()] == [1, 1, 1]
+    assert len(set.union(*starts.values())) == 3
 
 
 def test_worlds_are_divided_among_stores():

@@ -35,7 +35,7 @@ class GainChoice:
 
 
 def gain(
-    costs: ArrayLike,
+    costs: ArrayLike | LazyCosts,
     areas: ArrayLike,
     distances: ArrayLike,
     robot: int,
@@ -48,7 +48,7 @@ def gain(
 
     Parameters
     ----------
-    costs : (n, m) array
+    costs : (n, m) array or LazyCosts
         Cost of each robot to each target in metres; ``inf`` where there is no path.
     areas : (m,) array
         Area of each target in square metres: that which would be seen there, and a return area for
@@ -79,11 +79,10 @@ def gain(
     The value of a target j for a robot i is ``area_j / (cost_ij + offset_m) ** power``. Pairs of a
     robot and a target are taken in order of value, of equal ones that of the lowest cost first,
     then of the lowest numbers, until the robot that chooses has its first target. Once a robot has
-    taken a target, its paths to the others lead over that one, and cost accordingly. The path
-    length from one target to the next is estimated by the larger of the Euclidean distance and the
-    largest difference of a robot's costs to the two. So a robot leaves targets on the route of
-    another to that one. A target that is taken reduces, for all other robots, the area of each
-    other target by the factor ``min(1, d / range_m)`` with d the distance between the two.
+    taken a target, its paths to the others lead over that one, and cost accordingly, by the
+    Euclidean distances from one to the next. So a robot leaves targets on the route of another to
+    that one. A target that is taken reduces, for all other robots, the area of each other target by
+    the factor ``min(1, d / range_m)`` with d the distance between the two.
 
     A robot to which the others leave nothing shares a target: in a second auction, each robot takes
     one target only, and targets may be taken again.
@@ -103,11 +102,13 @@ def gain(
     >>> [gain(costs, areas, distances, i, range_m=8.0, power=2.0).choice for i in (0, 1)]
     [1, 0]
     """
+    costs, cost_of = costs if isinstance(costs, LazyCosts) else (costs, None)
     table, left, euclidean = checked_tables(costs, areas, distances, robot)
     check_positive(range_m=range_m, power=power, offset_m=offset_m)
     parameters = ValueParameters(range_m, power, offset_m)
     for goes_on in (True, False):
-        rounds = _taken(table, left, euclidean, robot, parameters, goes_on=goes_on)
+        auction = Auction(table, left, euclidean, parameters, robot, cost_of)
+        rounds = _taken(auction, euclidean, robot, goes_on=goes_on)
         if rounds and rounds[-1][0] == robot:
             return GainChoice(choice=rounds[-1][1], rounds=tuple(rounds))
     return GainChoice(choice=None, rounds=())
@@ -282,16 +283,9 @@ class Auction:
 
 
 def _taken(
-    costs: FloatArray,
-    areas: FloatArray,
-    distances: FloatArray,
-    robot: int,
-    parameters: ValueParameters,
-    *,
-    goes_on: bool,
+    auction: Auction, distances: FloatArray, robot: int, *, goes_on: bool
 ) -> list[tuple[int, int, float, float]]:
     """Return what is taken up to a robot's first target; each takes several if it goes on."""
-    auction = Auction(costs, areas, distances, parameters, robot)
     rounds: list[tuple[int, int, float, float]] = []
     while auction.is_open_to(robot):
         rounds.append(auction.next_round())
@@ -299,16 +293,7 @@ def _taken(
         if taker == robot:
             break
         if goes_on:
-            auction.go_on(taker, target, _onward(costs, distances, target))
+            auction.go_on(taker, target, distances[target])
         else:
             auction.leave(taker)
     return rounds
-
-
-def _onward(costs: FloatArray, distances: FloatArray, target: int) -> FloatArray:
-    """Return estimates of the path lengths from a target to all, ``(m,)`` metres."""
-    reaching = costs[np.isfinite(costs[:, target])]
-    bounds = np.abs(reaching - reaching[:, [target]])
-    bounds[np.isinf(bounds)] = 0.0
-    onward: FloatArray = np.maximum(distances[target], bounds.max(axis=0))
-    return onward

@@ -1,3 +1,4 @@
+import re
 from collections import defaultdict
 from itertools import product
 
@@ -119,6 +120,15 @@ def test_the_page_compares_with_the_best():
     assert "\n| gain | utility (best) |" in text
     assert "in each cell, which is known only afterwards, the mean of `gain` is 0.8" in text
     assert "\n| full | gain | 1.14 | 1.14 | 1.14 |" in text
+
+
+def test_the_better_of_ours_in_each_cell_is_told_if_there_are_two():
+    assert "The lowest median of" not in "\n".join(page(made(TIMES)))
+    text = "\n".join(page(made(TIMES | {"routes": 160.0})))
+    told = re.findall(
+        r"lowest median of `gain` and `routes` in each cell, .* (0\.\d+) of that", text
+    )
+    assert [float(ratio) for ratio in told] == pytest.approx([0.8] * 4, abs=0.03)
 
 
 def test_two_strategies_may_be_repeated_more_often_in_a_store_of_their_own():

@@ -45,7 +45,7 @@ def choose_gain(robot: FrontierRobot, because: str) -> Choice:
     chosen = _on_tours(robot, costs, path_costs, areas)
     if chosen.choice is None:
         chosen = gain(
-            path_costs.all_costs(),
+            LazyCosts(path_costs.bounds(), path_costs.cost),
             areas + options.return_area_m2,
             euclidean_distances(costs.targets, costs.targets),
             costs.row,

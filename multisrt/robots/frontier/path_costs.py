@@ -52,10 +52,13 @@ class PathCosts:
 
     def cost(self, row: int, target: int) -> float:
         """Return the cost of a robot to a target in metres; ``inf`` if there is no path."""
-        found = self._costs.nearest(row, np.array([target]))
-        if found is None:
-            return math.inf
-        return float(self._of(found[0], (row, target)))
+        length_m = float(self._costs.costs[row, target])
+        if not math.isfinite(length_m):
+            found = self._costs.nearest(row, np.array([target]))
+            if found is None:
+                return math.inf
+            length_m = found[0]
+        return float(self._of(length_m, (row, target)))
 
     def _of(
         self, lengths: FloatArray | float, pair: tuple[int, int] | EllipsisType = ...

@@ -33,16 +33,7 @@ def naive(costs, areas, distances, range_m, power, offset_m, goes_on):
                 near = [min(1.0, distances[-j][k] / range_m) for k in targets]
                 left[other] = [one * share for one, share in zip(left[other], near, strict=True)]
         if goes_on:
-            onward = [
-                max(
-                    distances[-j][k],
-                    *(
-                        abs(row[k] - row[-j]) if row[k] < INF and row[-j] < INF else 0.0
-                        for row in costs
-                    ),
-                )
-                for k in targets
-            ]
+            onward = [distances[-j][k] for k in targets]
             lengths[-i] = [lengths[-i][-j] + length for length in onward]
 
 

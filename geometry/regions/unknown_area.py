@@ -20,7 +20,7 @@ ON_WALL_M: Final = 1e-6
 """Obstacles within this distance in metres of where a ray begins do not stop it."""
 
 SLACK_M: Final = 1e-6
-"""By this much in metres, for rounding, bounding boxes are larger than needed."""
+"""Margin in metres by which bounding boxes are enlarged, for rounding."""
 
 
 def unknown_areas(

@@ -20,7 +20,7 @@ import numpy as np
 
 from multisrt.geometry.grids.unknown_area import unknown_areas
 from multisrt.geometry.numerics import libm
-from multisrt.geometry.numerics.arrays import FloatArray
+from multisrt.geometry.numerics.arrays import FloatArray, IntArray
 from multisrt.planners.assignment.gain import GainChoice, LazyCosts, ValueParameters, gain
 from multisrt.planners.assignment.gain_tours import gain_on_tours
 from multisrt.robots.frontier.options import GainOptions
@@ -42,16 +42,23 @@ def choose_gain(robot: FrontierRobot, because: str) -> Choice:
         return (yield from settle_on(robot, costs.table(), None, "gain", because))
     path_costs = PathCosts(robot, costs)
     areas = areas_beyond(robot, costs.targets)
-    chosen = _on_tours(robot, costs, path_costs, areas)
+    bounds = path_costs.bounds()
+    # Others with a path to one of these have paths to all of them.
+    reached = np.flatnonzero(np.isfinite(bounds[costs.row]))
+    chosen = GainChoice(choice=None, rounds=())
+    if options.tour_weight > 0.0:
+        chosen = _on_tours(robot, costs, path_costs, areas, bounds, reached)
     if chosen.choice is None:
-        chosen = gain(
-            LazyCosts(path_costs.bounds(), path_costs.cost),
-            areas + options.return_area_m2,
-            euclidean_distances(costs.targets, costs.targets),
+        targets = costs.targets[reached]
+        among_reached = gain(
+            _costs_of(path_costs, bounds, reached),
+            areas[reached] + options.return_area_m2,
+            euclidean_distances(targets, targets),
             costs.row,
             range_m=robot.me.range_m,
             power=options.power,
         )
+        chosen = _among_all(among_reached, reached)
     rounds = tuple((costs.robots[i], *rest) for i, *rest in chosen.rounds)
     return (
         yield from settle_on(robot, costs.table(), chosen.choice, "gain", because, rounds=rounds)
@@ -59,23 +66,23 @@ def choose_gain(robot: FrontierRobot, because: str) -> Choice:
 
 
 def _on_tours(
-    robot: FrontierRobot, costs: WavefrontCosts, path_costs: PathCosts, areas: FloatArray
+    robot: FrontierRobot,
+    costs: WavefrontCosts,
+    path_costs: PathCosts,
+    areas: FloatArray,
+    bounds: FloatArray,
+    reached: IntArray,
 ) -> GainChoice:
     """Choose by tours among the frontiers of the highest values; choose none if others take all."""
     options = cast(GainOptions, robot.options)
-    if options.tour_weight == 0.0:
-        return GainChoice(choice=None, rounds=())
-    bounds = path_costs.bounds()
-    own = bounds[costs.row]
-    reached = np.flatnonzero(np.isfinite(own))
     parameters = ValueParameters(robot.me.range_m, options.power)
-    weights = libm.power(own + parameters.offset_m, -parameters.power)
+    weights = libm.power(bounds[costs.row] + parameters.offset_m, -parameters.power)
     values = (areas + options.return_area_m2) * weights
     near = np.sort(reached[np.argsort(-values[reached], kind="stable")[:MAX_TARGETS]])
     targets = costs.targets[near]
     distances = euclidean_distances(targets, targets)
     chosen = gain_on_tours(
-        LazyCosts(bounds[:, near], lambda row, target: path_costs.cost(row, int(near[target]))),
+        _costs_of(path_costs, bounds, near),
         areas[near],
         distances,
         lengths_among(robot, targets, costs.costs[costs.row, near], distances),
@@ -84,9 +91,20 @@ def _on_tours(
         return_area_m2=options.return_area_m2,
         tour_weight=options.tour_weight,
     )
-    rounds = tuple((i, int(near[j]), area, value) for i, j, area, value in chosen.rounds)
-    choice = None if chosen.choice is None else int(near[chosen.choice])
-    return GainChoice(choice=choice, rounds=rounds)
+    return _among_all(chosen, near)
+
+
+def _costs_of(path_costs: PathCosts, bounds: FloatArray, some: IntArray) -> LazyCosts:
+    """Return the costs of some of the targets."""
+    return LazyCosts(bounds[:, some], lambda row, target: path_costs.cost(row, int(some[target])))
+
+
+def _among_all(chosen: GainChoice, some: IntArray) -> GainChoice:
+    """Return a choice among some of the targets with their numbers among all."""
+    return GainChoice(
+        choice=None if chosen.choice is None else int(some[chosen.choice]),
+        rounds=tuple((i, int(some[j]), area, value) for i, j, area, value in chosen.rounds),
+    )
 
 
 def areas_beyond(robot: FrontierRobot, targets: FloatArray) -> FloatArray:

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
+import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
@@ -12,7 +13,7 @@ from hypothesis.extra.numpy import arrays
 from multisrt.geometry.grids.distance_field import DistanceField
 from multisrt.planners.assignment.closest import closest
 from multisrt.planners.assignment.costs import DenseCosts
-from multisrt.planners.assignment.gain import LazyCosts, ValueParameters
+from multisrt.planners.assignment.gain import LazyCosts, ValueParameters, gain
 from multisrt.planners.assignment.gain_tours import gain_on_tours
 from multisrt.planners.assignment.greedy import greedy
 from multisrt.planners.assignment.minpos import minpos
@@ -107,11 +108,20 @@ def test_a_robot_off_the_passable_cells_is_as_near_as_the_nearest_of_them():
     assert WavefrontCosts(robot).lower_bounds()[1, 0] <= 1.0
 
 
+def on_tours(costs, areas, distances):
+    return gain_on_tours(costs, areas, distances, distances, 0, parameters=ValueParameters(4.0))
+
+
+def by_value(costs, areas, distances):
+    return gain(costs, areas, distances, 0, range_m=4.0)
+
+
+@pytest.mark.parametrize("choose", [on_tours, by_value])
 @given(
-    situations(others_are_free=False),
-    st.lists(st.sampled_from([0.0, 1.0, 2.5, 9.0]), min_size=6, max_size=6),
+    situation=situations(others_are_free=False),
+    areas=st.lists(st.sampled_from([0.0, 1.0, 2.5, 9.0]), min_size=6, max_size=6),
 )
-def test_gain_chooses_as_on_the_full_table(situation, areas):
+def test_gain_chooses_as_on_the_full_table(choose, situation, areas):
     whole = full_table(grid_robot(*situation))
     lazy = WavefrontCosts(grid_robot(*situation), every=True)
     near = np.flatnonzero(np.isfinite(whole.costs[0]))
@@ -124,9 +134,7 @@ def test_gain_chooses_as_on_the_full_table(situation, areas):
     bounds = lazy.lower_bounds()
     bounds[0] = lazy.costs[0]
     chosen = [
-        gain_on_tours(
-            costs, areas[: len(near)], distances, distances, 0, parameters=ValueParameters(4.0)
-        )
+        choose(costs, areas[: len(near)], distances)
         for costs in (whole.costs[:, near], LazyCosts(bounds[:, near], cost_of))
     ]
     assert chosen[0].choice == chosen[1].choice

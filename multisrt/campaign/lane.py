@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import closing
 from pathlib import Path
 from typing import Final
 
@@ -20,7 +21,7 @@ EQUAL_DIGEST: Final = "equal-digest"
 """Name of the invariant that another process makes an equal recording."""
 
 REPEATED_EVERY: Final = 20
-"""Every so many missions one is repeated in a process of its own, besides all that fail."""
+"""Every so many missions one is repeated in another process, besides all that fail."""
 
 HERE, ELSEWHERE = 1, 2
 """Seeds of the order of sets in processes that make missions, and in those that repeat them."""
@@ -64,7 +65,7 @@ class Mission(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Lane:
-    """Makes missions of a campaign in a process that is kept, and repeats some in others.
+    """Makes missions of a campaign in one process, and repeats some in another.
 
     Use it from one thread; only `stop` may be called by another.
 
@@ -87,11 +88,12 @@ class Lane:
         self._other = MissionProcess(ELSEWHERE)
 
     def close(self) -> None:
-        """End the process."""
+        """End both processes."""
         self._process.close()
+        self._other.close()
 
     def stop(self) -> None:
-        """Kill all processes, even at a mission; no other is started."""
+        """Kill both processes, even at a mission; no other is started."""
         self._process.stop()
         self._other.stop()
 
@@ -188,7 +190,7 @@ def compared(spec: RunSpec, verdict: Verdict, other: MissionProcess) -> Verdict:
     verdict : Verdict
         What is judged of it. One without a recording is not compared.
     other : MissionProcess
-        Makes the other recording in a process that has made nothing before, and is ended then.
+        Makes the other recording.
 
     Returns
     -------
@@ -197,10 +199,7 @@ def compared(spec: RunSpec, verdict: Verdict, other: MissionProcess) -> Verdict:
     """
     if not verdict.digest:
         return verdict
-    try:
-        there = other.ask(Judge(spec=spec)).verdict
-    finally:
-        other.close()
+    there = other.ask(Judge(spec=spec)).verdict
     if there.digest == verdict.digest:
         return verdict
     found = f"digest {there.digest[:12]}" if there.digest else f"{there.outcome}: {there.reason}"
@@ -227,11 +226,9 @@ def replayed(spec: RunSpec, folder: Path, violation: Violation) -> Sequence[Viol
     sequence of Violation
         The invariants that it violates now.
     """
-    process = MissionProcess(HERE)
-    try:
+    with closing(MissionProcess(HERE)) as process:
         verdict = process.ask(Judge(spec=spec, folder=str(folder.resolve()))).verdict
-    finally:
-        process.close()
     if violation.invariant == EQUAL_DIGEST:
-        verdict = compared(spec, verdict, MissionProcess(ELSEWHERE))
+        with closing(MissionProcess(ELSEWHERE)) as other:
+            verdict = compared(spec, verdict, other)
     return verdict.violations

@@ -73,7 +73,7 @@ def car_trajectory(
     goal: Configuration,
     seed: int,
     *,
-    max_checks: int = MAX_CHECKS,
+    checks: Checks | None = None,
 ) -> Trajectory | None:
     """Return a motion from one configuration to another inside a region.
 
@@ -87,8 +87,9 @@ def car_trajectory(
         Ends of the motion.
     seed : int
         Seed of the sampling-based planner, 0 or more.
-    max_checks : int
-        Maximum number of motions that the planner checks; 0 to try the shortest curve only.
+    checks : Checks, optional
+        The motions that the planner may check, which it counts down. Default:
+        ``Checks(MAX_CHECKS)``.
 
     Returns
     -------
@@ -109,8 +110,41 @@ def car_trajectory(
     if room is None:
         return None
     return shortest_curve(car, room, start, goal) or _planned(
-        car, room, start, goal, seed, Checks(max_checks)
+        car, room, start, goal, seed, Checks() if checks is None else checks
     )
+
+
+def shortest_curves(
+    body: PlanningBody,
+    car: Car,
+    region: FloatArray | BaseGeometry,
+    start: Configuration,
+    goal: Configuration,
+) -> tuple[Trajectory, Trajectory] | None:
+    """Return the shortest curves from one configuration to another and back inside a region.
+
+    Parameters
+    ----------
+    body, car
+        The body that moves, and its kinematics.
+    region : (n, 2) array or shapely geometry
+        Space known to be free in metres: a ring without holes, or one or more polygons.
+    start, goal : Configuration
+        Ends of the motions.
+
+    Returns
+    -------
+    (there, back) or None
+        None if there is no room for one of them.
+    """
+    room = body.room(_rings(region), start, goal)
+    if room is None:
+        return None
+    there = shortest_curve(car, room, start, goal)
+    if there is None:
+        return None
+    back = shortest_curve(car, room, goal, start)
+    return None if back is None else (there, back)
 
 
 def car_out_and_back(

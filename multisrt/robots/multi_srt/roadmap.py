@@ -12,7 +12,7 @@ from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.geometry.regions.overlay import union_on_grid
 from multisrt.planners.motion.body import PlanningBody
-from multisrt.planners.motion.car import MAX_SEED, Checks, car_out_and_back, car_trajectory
+from multisrt.planners.motion.car import MAX_SEED, Checks, car_out_and_back, shortest_curves
 from multisrt.planners.motion.kinematics import Car, Holonomic, turns_between
 from multisrt.planners.motion.roadmap import Roadmap
 from multisrt.planners.motion.steering import steer, turn_and_drive
@@ -160,10 +160,13 @@ class SrtRoadmap:
 
     def _bridge(self, a: Node, b: Node) -> None:
         if isinstance(self.me.kinematics, Car):
-            there, back = self._curve(a, b), self._curve(b, a)
-            if there is None or back is None:
+            region = union_on_grid([a.region.polygon(), b.region.polygon()])
+            curves = shortest_curves(
+                self.body, self.me.kinematics, region, a.configuration, b.configuration
+            )
+            if curves is None:
                 return
-            self._driven[a.id, b.id], self._driven[b.id, a.id] = there, back
+            self._driven[a.id, b.id], self._driven[b.id, a.id] = curves
             self.graph.connect(a.id, b.id)
         else:
             self.join(a.id, b.id)
@@ -176,13 +179,6 @@ class SrtRoadmap:
         self.graph.connect(a, b)
         self._narrow.difference_update(((a, b), (b, a)))
         self._has_room.update((a, b))
-
-    def _curve(self, a: Node, b: Node) -> Trajectory | None:
-        # The shortest curve of a car between two nodes that stays in their regions.
-        assert isinstance(self.me.kinematics, Car)
-        region = union_on_grid([a.region.polygon(), b.region.polygon()])
-        start, goal = a.configuration, b.configuration
-        return car_trajectory(self.body, self.me.kinematics, region, start, goal, 1, max_checks=0)
 
     # Motions -----------------------------------------------------------------------------
 

@@ -13,7 +13,12 @@ from multisrt.geometry.bodies.collision import CollisionWorld
 from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
 from multisrt.planners.motion.body import PlanningBody
-from multisrt.planners.motion.car import Checks, car_out_and_back, car_trajectory
+from multisrt.planners.motion.car import (
+    Checks,
+    car_out_and_back,
+    car_trajectory,
+    shortest_curves,
+)
 from multisrt.planners.motion.curves import curve_length
 from multisrt.planners.motion.kinematics import Car
 from multisrt.planners.motion.trajectory import Trajectory, leg_length
@@ -60,19 +65,30 @@ def out_and_back(
 @pytest.mark.parametrize("car", [BACK, NO_BACK])
 def test_without_obstacles_the_path_is_the_shortest_curve(car, ring):
     start, goal = Configuration(3.0, 3.0, 0.2), Configuration(5.0, 5.0, -2.0)
-    driven = car_trajectory(BODY, car, ring(HALL), start, goal, 0, max_checks=0)
-    assert driven is not None
-    assert driven.length_m == pytest.approx(curve_length(car, start, goal))
-    assert driven.start == start
-    assert driven.end == pytest.approx(goal)
-    assert_drivable(driven, car, BODY, HALL)
+    curves = shortest_curves(BODY, car, ring(HALL), start, goal)
+    assert curves is not None
+    assert car_trajectory(BODY, car, ring(HALL), start, goal, 0) == curves[0]
+    for driven, (begin, end) in zip(curves, [(start, goal), (goal, start)], strict=True):
+        assert driven.length_m == pytest.approx(curve_length(car, begin, end))
+        assert driven.start == begin
+        assert driven.end == pytest.approx(end)
+        assert_drivable(driven, car, BODY, HALL)
+
+
+def test_shortest_curves_are_there_only_if_both_have_room(ring):
+    # The curve back of a car without reverse is a loop, for which the corridor has no room.
+    start, goal = Configuration(2.0, 0.6, 0.0), Configuration(3.0, 0.6, 0.0)
+    assert car_trajectory(BODY, NO_BACK, ring(ROOMS), start, goal, 0) is not None
+    assert shortest_curves(BODY, NO_BACK, ring(ROOMS), start, goal) is None
+    assert shortest_curves(BODY, NO_BACK, ring(ROOMS), goal, start) is None
+    assert shortest_curves(BODY, BACK, ring(ROOMS), start, goal) is not None
 
 
 @pytest.mark.parametrize("car", [BACK, NO_BACK])
 @pytest.mark.parametrize("body", [BODY, DISC])
 def test_another_path_is_found_if_a_wall_blocks_the_curve(car, body, ring):
     start, goal = Configuration(2.0, 0.6, 0.0), Configuration(6.0, 0.6, 0.0)
-    assert car_trajectory(body, car, ring(ROOMS), start, goal, 1, max_checks=0) is None
+    assert shortest_curves(body, car, ring(ROOMS), start, goal) is None
     for region in (ring(ROOMS), ROOMS):
         driven = car_trajectory(body, car, region, start, goal, 1)
         assert driven is not None
@@ -168,7 +184,7 @@ def test_paths_stay_in_the_region(obstacles, body, car, start, goal, seed):
     out_and_back = (
         car_out_and_back(body, car, region, start, goal.x, goal.y, seed, checks=Checks(200)) or ()
     )
-    driven = car_trajectory(body, car, region, start, goal, seed, max_checks=200)
+    driven = car_trajectory(body, car, region, start, goal, seed, checks=Checks(200))
     for motion in (*out_and_back, *(() if driven is None else (driven,))):
         assert_drivable(motion, car, body, region)
         for time in np.linspace(0.0, motion.duration_s, 100):

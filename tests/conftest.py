@@ -30,7 +30,7 @@ os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, _PATHS))
 
 
 KERNELS_OF_RUNS, KERNELS_OF_GEOMETRY = "tests/golden/", "tests/geometry/"
-"""What two processes begin with: neither waits for, nor repeats, what the other compiles."""
+"""What the first two processes begin with: neither repeats what the other compiles."""
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:

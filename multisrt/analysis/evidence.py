@@ -31,7 +31,7 @@ from multisrt.events import (
 from multisrt.recording import Recording
 
 SAME_PLACE_M = 1e-6
-"""Places that are at most so far apart are one, in metres."""
+"""Places closer together than this, in metres, are the same."""
 
 Learning = tuple[float, int, int | None]
 """A robot came to know a region: time (s), robot, number of the region; instead of a region None

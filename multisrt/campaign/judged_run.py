@@ -26,10 +26,10 @@ from multisrt.spec import LateStart
 T = TypeVar("T")
 
 ROUNDING_S: Final = 1e-6
-"""Times that differ by less are one, in seconds."""
+"""Times that differ by less are equal, in seconds."""
 
 ROUNDING_M: Final = 1e-6
-"""Lengths that differ by less are one, in metres."""
+"""Lengths that differ by less are equal, in metres."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -21,16 +21,16 @@ EQUAL_DIGEST: Final = "equal-digest"
 """Name of the invariant that another process makes an equal recording."""
 
 REPEATED_EVERY: Final = 20
-"""Every so many missions one is repeated in another process, besides all that fail."""
+"""Interval, in missions, at which one is repeated in another process; all that fail are."""
 
 HERE, ELSEWHERE = 1, 2
 """Seeds of the order of sets in processes that make missions, and in those that repeat them."""
 
 HANG_SHRINK_S: Final = 40.0
-"""Time that a run may take by which a hanging one is shrunk (s)."""
+"""Time limit of the runs by which a hanging one is shrunk (s)."""
 
 HANG_TRIES: Final = 8
-"""Runs by which a hanging one is shrunk: each of them takes up to twice that time."""
+"""Maximum number of these runs, each of which takes up to twice that time."""
 
 Quota = Callable[[str, str], bool]
 """Whether one more failure of an invariant and a strategy is to be shrunk."""

@@ -27,7 +27,7 @@ NO_ERROR, ENDS, JUDGED = "no-error", "ends", "can-be-judged"
 
 STEPS_AT_LEAST: Final = 20_000
 STEPS_EACH_S: Final = 100
-"""Bound of the events of the clock: so many, and so many for each robot and second of the limit."""
+"""Maximum number of events of the clock: a constant, plus one for each robot and second."""
 
 MAX_TEXT: Final = 400
 """Length to which messages of errors are cut, in characters."""

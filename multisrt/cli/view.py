@@ -82,7 +82,7 @@ def view(
 
 
 def require_few(runs: int) -> None:
-    """Check that so many runs can be shown side by side."""
+    """Check that this number of runs can be shown side by side."""
     if runs > MAX_RUNS:
         raise click.UsageError(f"a replay shows at most {MAX_RUNS} runs, not {runs}")
 

@@ -18,7 +18,7 @@ from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.recording import Recording
 
 TOLERANCE_MM: Final = 0.35
-"""By how much outlines and paths may differ from those of the run, in millimetres on paper."""
+"""Maximum difference of outlines and paths from those of the run, in millimetres on paper."""
 
 MIN_PART_MM: Final = 2.5
 """Side of a square as large as the smallest part of an area that is drawn, in millimetres."""

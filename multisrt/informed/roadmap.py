@@ -32,14 +32,14 @@ WAY_MARGIN_M = 0.004
 """Distance in metres that the lines between nodes keep; less, so that nodes see one another."""
 
 MIN_SPACING_M, MAX_LATTICE = 0.25, 5_000
-"""Spacing of the lattice in metres, unless it would have more than so many points."""
+"""Minimum spacing of the lattice in metres, and maximum number of its points."""
 
 SIMPLIFIED_SHARE = 0.012
 """Share of the radius that both keep besides: GEOS simplifies what it buffers by one hundredth of
 the distance."""
 
 NEIGHBOUR_SPACINGS = 2.3
-"""Nodes within so many spacings are joined: 16 points of the lattice around each."""
+"""Maximum distance of joined nodes, in spacings: 16 points of the lattice around each."""
 
 MAX_REFINEMENTS = 3
 """Maximum number of reductions of the spacing if parts of the area are not connected."""

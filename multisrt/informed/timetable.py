@@ -19,7 +19,7 @@ from multisrt.geometry.numerics.kernel import FloatArray, IntArray, kernel
 from multisrt.planners.motion.trajectory import Trajectory
 
 STEP_S, MAX_STEPS = 0.05, 3_000
-"""Step of time in seconds, unless the longest route has more than so many."""
+"""Minimum step of time in seconds, and maximum number of steps of the longest route."""
 
 GAP_M = 0.06
 """Minimum distance between bodies that are timed, in metres."""

@@ -26,7 +26,7 @@ Bits = NDArray[np.uint64]
 """A set of cells: bit i of word w stands for cell ``64 w + i``."""
 
 MIN_CELL_M, MAX_CELLS = 0.1, 40_000
-"""Width of the cells, unless that would be more than so many in the bounds' free area."""
+"""Minimum width of the cells in metres, and maximum number of cells in the bounds."""
 
 MAX_BORDER_PLACES = 6_000
 """Places on the border of an area from which the cells that can be seen are found."""

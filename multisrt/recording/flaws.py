@@ -37,7 +37,7 @@ MAX_TURN_RAD = 4.0 * math.pi
 """Bound of the turn on one leg of a motion, in radians."""
 
 ROUNDING_S = 1e-6
-"""Times that differ by less are one, in seconds."""
+"""Times that differ by less are equal, in seconds."""
 
 ROUNDING_M = 1e-3
 """Distance by which a region may exceed the range of its robot, for rounding."""

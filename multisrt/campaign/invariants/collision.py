@@ -28,7 +28,7 @@ FOUND_M: Final = 2e-5
 """Where a body that is no disc turns, overlaps are found that are deeper than this, in metres."""
 
 BESIDE_M: Final = 0.1
-"""How far from where a body drives the obstacle is that it touches, in metres."""
+"""Maximum distance from a body's path to an obstacle that it touches, in metres."""
 
 LEG_M: Final = 2.0
 """How far from where it sets out a body touches an obstacle by which a run ended, in metres."""

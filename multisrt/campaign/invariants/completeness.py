@@ -35,7 +35,7 @@ COMPLETE: Final = "complete-is-complete"
 BOXED_IN: Final = "boxed-in-is-boxed-in"
 
 SHARPEST_RAD: Final = math.radians(45.0)
-"""Corners of obstacles that may stand unseen between two beams are at least so wide."""
+"""Minimum angle of a corner of an obstacle that may stand unseen between two beams."""
 
 BLIND: Final = 1.5
 """Factor on what a laser leaves out beside a wall, for corners of two walls."""
@@ -47,7 +47,7 @@ MIN_BEHIND_M2: Final = 0.05
 """Smaller unknown parts are scraps."""
 
 CELLS_BEYOND: Final = 4.0
-"""A frontier is longer than the rules' minimum by so many cells, to be one on any raster."""
+"""Cells by which a frontier exceeds the minimum of the rules, so that it is one on any raster."""
 
 SRT_SLACK_M: Final = 0.02
 """A body of the SRT family keeps off walls by this much more than its margin, in metres."""
@@ -72,7 +72,7 @@ BODY_SLACK_M: Final = 0.05
 """Added to the distance that robots keep from bodies, in metres."""
 
 BELIEF_S: Final = 30.0
-"""For so long a robot of the SRT family may not know that a body has left, in seconds."""
+"""Time for which a robot of the SRT family may not know that a body has left, in seconds."""
 
 
 def complete_is_complete(run: JudgedRun) -> Violation | None:

@@ -12,7 +12,7 @@ from multisrt.events import Collision, Died, Ended, Sent
 NAME: Final = "ends"
 
 EVENTS_PER_ROBOT: Final = 2_000
-"""Events of a robot that a run may have whatever its duration."""
+"""Number of events of a robot that a run may have, whatever its duration."""
 
 EVENTS_PER_ROBOT_S: Final = 100.0
 """Events of a robot in a second, in the mean over a run, that are more than it can have use for."""

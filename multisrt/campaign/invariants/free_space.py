@@ -19,10 +19,10 @@ from multisrt.spec import RobotSpec
 NAME: Final = "free-is-free"
 
 TOLERANCE_M: Final = 1e-5
-"""By how much a region may reach into an obstacle, or not be in sight, in metres."""
+"""Maximum depth of a region in an obstacle, or out of sight, in metres."""
 
 RANGE_M: Final = 1e-3
-"""By how much a region may reach beyond the range, in metres."""
+"""Maximum reach of a region beyond the range, in metres."""
 
 
 def free_is_free(run: JudgedRun) -> Violation | None:

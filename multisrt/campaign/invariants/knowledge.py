@@ -31,10 +31,10 @@ from multisrt.spec import Silence
 NAME: Final = "knowledge-by-scan-or-message"
 
 SAME_PLACE_M: Final = 1e-6
-"""Places that are at most so far apart are one, in metres."""
+"""Places closer together than this, in metres, are the same."""
 
 ROUNDING_S: Final = 1e-6
-"""By how much a message may be early, in seconds."""
+"""Maximum time by which a message may be early, in seconds."""
 
 
 def knowledge_by_scan_or_message(run: JudgedRun) -> Violation | None:
@@ -67,7 +67,7 @@ class _Knowledge:
             if isinstance(fault, Silence):
                 end_s = fault.time_s + fault.duration_s
                 self._silences[fault.robot].append((fault.time_s, end_s))
-        # In which order each came to know nodes; a message holds the first so many of them.
+        # In which order each came to know nodes; a message holds the first n of them.
         self._order: list[dict[NodeName, int]] = [{} for _ in range(members)]
         self._knowers: dict[NodeName, list[int]] = defaultdict(list)
         # For each receiver and sender the messages: how many nodes the sender knew, and when.

@@ -24,7 +24,7 @@ ROUNDING: Final = 1e-9
 """Maximum error of what is computed from the same numbers."""
 
 ONE_IN: Final = 3
-"""One run in so many is measured."""
+"""Every third run is measured."""
 
 GRID_M: Final = 1e-6
 """Corners of overlays are rounded to multiples of this, in metres."""

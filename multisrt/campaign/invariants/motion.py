@@ -28,19 +28,19 @@ WITHIN_DRIVE: Final = "motion-within-drive"
 CONTINUOUS: Final = "motion-continuous"
 
 ROUNDING_M: Final = 1e-6
-"""By how much a leg may be longer, or two motions apart, in metres."""
+"""Maximum excess length of a leg, and distance between two motions, in metres."""
 
 SIDEWAYS_M: Final = 1e-5
 """By how much a leg may lead to the side, in metres: curves of cars are found to within this."""
 
 ROUNDING_RAD: Final = 1e-6
-"""By how much a leg may turn more, in radians."""
+"""Maximum excess turn of a leg, in radians."""
 
 ROUNDING_S: Final = 1e-6
-"""By how much times may overlap, in seconds."""
+"""Maximum overlap of times, in seconds."""
 
 PLACE_M: Final = 1e-5
-"""Distance from where a robot is at which its scans and stops are noted, at most, in metres."""
+"""Maximum distance of a recorded scan or stop from the position of the robot, in metres."""
 
 
 def motion_within_drive(run: JudgedRun) -> Violation | None:

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 FINER: Final = 1.3
-"""Maps of figures are drawn as sheets so many times larger, so that lines and markers are finer."""
+"""Factor by which maps of figures are drawn larger, as sheets: lines and markers are finer."""
 
 BAR_SHARE: Final = 0.25
 """Upper bound of the length of the scale bar, as a share of the width of the map."""

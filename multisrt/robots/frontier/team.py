@@ -42,10 +42,10 @@ from multisrt.robots.listening import Listener, counts_beyond, have_of
 from multisrt.robots.messages import Message
 
 LATELY_PERIODS = 2.0
-"""For so many periods of questions, a robot counts as having asked just now."""
+"""Number of question periods for which a robot counts as having asked just now."""
 
 TOUCH_PERIODS = 2.0
-"""For so many periods of its reports a robot counts as in touch with one that was heard."""
+"""Number of report periods for which a robot that was heard counts as in touch."""
 
 SAME_GOAL_M = 1e-9
 """Goals closer than this are the same."""

@@ -40,7 +40,7 @@ class DecisionSpec(msgspec.Struct, frozen=True, kw_only=True):
     frontiers : int
         Number of frontiers to choose from: the nearest ones by their path.
     place_m : float
-        With places: an answer of 1 means so many metres along an axis.
+        With places: an answer of 1 means this distance in metres along an axis.
     observe : tuple of {"frontiers", "others", "map"}
         The parts of the observation. What is left out is not computed.
     map_cells : int

@@ -131,6 +131,17 @@ def test_the_better_of_ours_in_each_cell_is_told_if_there_are_two():
     assert [float(ratio) for ratio in told] == pytest.approx([0.8] * 4, abs=0.03)
 
 
+def test_parts_of_the_runs_are_told_by_strategy():
+    text = "\n".join(page(made(TIMES | {"routes": 160.0})))
+    by_team = text[text.index("By team size") : text.index("By world")]
+    rows = [line.strip("| ").split(" | ") for line in by_team.splitlines() if line.startswith("|")]
+    teams = sorted({row[0] for row in rows[2:]}, key=int)
+    assert [tuple(row[:2]) for row in rows[2:]] == [
+        (team, name) for team in teams for name in ("gain", "routes")
+    ]
+    assert [float(row[3]) for row in rows[2:4]] == pytest.approx([0.8, 1.6], rel=0.05)
+
+
 def test_two_strategies_may_be_repeated_more_often_in_a_store_of_their_own():
     both = made({"gain": 80.0, "utility": 100.0}, repetitions=12).assign(digest="a")
     runs = united([made(TIMES, repetitions=2).assign(digest="a"), both])

@@ -301,19 +301,19 @@ def follow_orders(robot: SrtRobot) -> Steps:
     """Give way, if a master has ordered it; and go home again."""
     order = robot.team.order_for_me()
     if order is not None and order.order == "give way" and robot.at.here is not None:
-        yield from until_boxed_in(robot, _give_way(robot, order))
+        yield from _give_way(robot, order)
 
 
 def _give_way(robot: SrtRobot, order: Order) -> Steps:
     root = robot.trees.root
-    yield from move_to(robot, robot.journey.step_by(order, None))
+    yield from until_boxed_in(robot, move_to(robot, robot.journey.step_by(order, None)))
     yield from robot.team.rest()
     if robot.at.here is None:
         return
     route = robot.routes.route(robot.at.here, root)
     if route is not None and robot.routes.length_m(route) > robot.me.range_m:
         yield from robot.team.pause(robot.options.home_after_s)
-        yield from transfer_to(robot, root, None)
+        yield from until_boxed_in(robot, transfer_to(robot, root, None))
         yield from robot.team.rest()
 
 

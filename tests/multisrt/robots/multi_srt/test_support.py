@@ -4,7 +4,9 @@ from typing import Any
 import pytest
 
 from multisrt.robots.knowledge import NodeId
-from multisrt.robots.multi_srt.support import entry, may_need_support
+from multisrt.robots.multi_srt import support
+from multisrt.robots.multi_srt.progress import BoxedIn
+from multisrt.robots.multi_srt.support import entry, follow_orders, may_need_support
 
 # From near to far: a node of the robot's own tree, and three of the tree that it supports.
 OWN, EXPLORED, OPEN, ROOT = NodeId(1, 4), NodeId(0, 2), NodeId(0, 1), NodeId(0, 0)
@@ -77,3 +79,38 @@ def test_with_a_limited_radio_robots_in_contact_support_one_another_if_asked_to(
     robot = robot_that_heard(heard_s, in_contact=in_contact)
     assert may_need_support(robot, ROOT, open_m=2.0, active=2) is needs
     assert not may_need_support(robot, ROOT, open_m=1.9, active=2)
+
+
+def test_a_robot_that_is_boxed_in_while_it_gives_way_says_that_it_stands(monkeypatch):
+    """A group would wait for ever for the end of a motion that it announced."""
+    done = []
+
+    def move_to(robot, step):
+        done.append("moves")
+        yield from ()
+        raise BoxedIn
+
+    def rest():
+        done.append("rests")
+        yield from ()
+
+    order = SimpleNamespace(order="give way")
+    robot: Any = SimpleNamespace(
+        at=SimpleNamespace(here=None),
+        journey=SimpleNamespace(step_by=lambda order, step: "aside", target="there"),
+        team=SimpleNamespace(order_for_me=lambda: order, rest=rest),
+        trees=SimpleNamespace(root=NodeId(0, 0)),
+    )
+    list(follow_orders(robot))
+    assert done == []  # At no node, it takes no order.
+    robot.at.here = NodeId(0, 0)
+    monkeypatch.setattr(support, "move_to", lambda robot, step: leave(robot, move_to(robot, step)))
+    list(follow_orders(robot))
+    assert done == ["moves", "rests"]
+    assert robot.journey.target is None
+
+
+def leave(robot, steps):
+    """Take steps from a node."""
+    robot.at.here = None
+    yield from steps

@@ -21,7 +21,7 @@ EQUAL_DIGEST: Final = "equal-digest"
 """Name of the invariant that another process makes an equal recording."""
 
 REPEATED_EVERY: Final = 20
-"""Interval, in missions, at which one is repeated in another process; all that fail are."""
+"""Interval, in missions, at which one that holds all invariants is repeated in another process."""
 
 HERE, ELSEWHERE = 1, 2
 """Seeds of the order of sets in processes that make missions, and in those that repeat them."""

@@ -27,7 +27,7 @@ NO_ERROR, ENDS, JUDGED = "no-error", "ends", "can-be-judged"
 
 STEPS_AT_LEAST: Final = 20_000
 STEPS_EACH_S: Final = 100
-"""Maximum number of events of the clock: a constant, plus one for each robot and second."""
+"""Maximum number of events of the clock: in any run, and added for each robot and second."""
 
 MAX_TEXT: Final = 400
 """Length to which messages of errors are cut, in characters."""

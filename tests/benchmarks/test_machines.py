@@ -22,7 +22,7 @@ pytestmark = pytest.mark.skipif(
 
 SMALL = replace(
     SUBJECTS["experiment"],
-    files={"small.toml": EXPERIMENT.replace('"closest", ', "").replace("= 6", "= 4")},
+    files={"small.toml": EXPERIMENT.replace('"closest", ', "")},
 )
 
 ROWS = {"a": ("complete", "1"), "b": ("complete", "2"), "c": ("stalled", "3")}

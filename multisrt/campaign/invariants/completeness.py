@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import Final
+from typing import Final, cast
 
 import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
 from multisrt.campaign.invariants.open_frontier import (
+    GRID_M,
     OpenFrontier,
     Reach,
     open_frontiers,
+    solid,
     united,
 )
 from multisrt.campaign.judged_run import JudgedRun
@@ -29,6 +31,11 @@ from multisrt.events import (
     NodeName,
     Sent,
 )
+from multisrt.geometry.configuration import Configuration
+from multisrt.geometry.regions.edge_index import EdgeIndex
+from multisrt.geometry.regions.safe_region import local_safe_region
+from multisrt.geometry.regions.shapes import Shape
+from multisrt.simulation.sensing import measured
 from multisrt.spec import RangeFinderSpec
 
 COMPLETE: Final = "complete-is-complete"
@@ -97,9 +104,11 @@ def complete_is_complete(run: JudgedRun) -> Violation | None:
       `completion_spacing` times `d_min_m`, plus a cell of its lattice of places, of a node do not
       count. Unknown parts that contain no disc of 0.05 m are ignored.
 
-    If `max_views` is less than 3, or `d_min_m` greater than the body's width, arcs that were closed
-    as seen from nearby do not count either, because too few views of too large an area are allowed.
-    They never count with `srt-ball`: a ball hardly wider than the body has no place that is not
+    Arcs that were closed as seen from nearby count only if a scan from the place shows at least
+    what the rules count as more, an area of `d_min_m` squared: in a corner that narrows, stars show
+    only a strip at a time. If `max_views` is less than 3, or `d_min_m` greater than the body's
+    width, such arcs do not count at all, because too few views of too large an area are allowed.
+    Nor do they with `srt-ball`: a ball hardly wider than the body has no place that is not
     near its node, and its arc is closed before other robots know the space around it.
 
     Also ignored are unknown parts of less than 0.05 m2; with stars and balls, places within
@@ -228,7 +237,10 @@ def _left(
     found = open_frontiers(
         run, robot, names, reach, at, obstacles=obstacles, looked=looked, only=only
     )
-    return [left for left in found if left.behind_m2 >= MIN_BEHIND_M2]
+    found = [left for left in found if left.behind_m2 >= MIN_BEHIND_M2]
+    if run.family == "srt":
+        found = [left for left in found if not _shows_hardly_more(run, robot, names, left)]
+    return found
 
 
 def reach_of(run: JudgedRun, robot: int) -> Reach:
@@ -289,8 +301,38 @@ def _gives_up_early(run: JudgedRun, robot: int) -> bool:
     # Whether the third stage gives up a spot by its rules that a few views do not show.
     if run.recording.spec.strategy == "srt-ball":
         return True
-    d_min_m, width_m = run.options["d_min_m"], run.bodies[robot].width_m
-    return run.options["max_views"] < DEFAULT_VIEWS or (d_min_m is not None and d_min_m > width_m)
+    is_large = _d_min_m(run, robot) > run.bodies[robot].width_m
+    return is_large or run.options["max_views"] < DEFAULT_VIEWS
+
+
+def _d_min_m(run: JudgedRun, robot: int) -> float:
+    given: float | None = run.options["d_min_m"]
+    if given is not None:
+        return given
+    share = 0.5 if run.recording.spec.strategy == "srt-ball" else 1.0
+    return share * run.bodies[robot].width_m
+
+
+def _shows_hardly_more(
+    run: JudgedRun, robot: int, names: list[NodeName], left: OpenFrontier
+) -> bool:
+    # Whether an arc was given up as seen from near, and a scan from where it is seen shows so
+    # little of what is unknown that the third stage does not count it.
+    d_min_m = _d_min_m(run, robot)
+    if not shapely.dwithin(_seen_from_near(run), shapely.Point(left.place), d_min_m):
+        return False
+    spec, (x, y) = run.recording.spec, left.stand
+    range_m = spec.robots[robot].range_finder.range_m
+    index = run.once(("index", range_m), lambda: EdgeIndex(run.environment.edges, range_m / 3.0))
+    region = local_safe_region(
+        measured(spec.robots[robot], index, Configuration(x, y, 0.0), 0.0),
+        cast(Shape, spec.strategy.removeprefix("srt-")),
+        cones=run.options["cones"],
+        contact_tolerance_m=run.options["contact_tolerance_m"],
+    )
+    shown = solid(shapely.make_valid(shapely.Polygon(region.boundary)))
+    more = shapely.difference(shown, united(run, names), grid_size=GRID_M)
+    return bool(more.area < d_min_m**2)
 
 
 def _seen_from_near(run: JudgedRun) -> BaseGeometry:
@@ -306,10 +348,7 @@ def _seen_from_near(run: JudgedRun) -> BaseGeometry:
 
 def _looked_from(run: JudgedRun, robot: int, names: list[NodeName]) -> BaseGeometry:
     # Around nodes, where the third stage of the planner of the SRT family takes no place.
-    d_min_m = run.options["d_min_m"]
-    if d_min_m is None:
-        share = 0.5 if run.recording.spec.strategy == "srt-ball" else 1.0
-        d_min_m = share * run.bodies[robot].width_m
+    d_min_m = _d_min_m(run, robot)
     places = shapely.points(np.array([run.nodes[name].configuration[:2] for name in names]))
     near_m = (run.options["completion_spacing"] + SRT_LATTICE) * d_min_m + SRT_SLACK_M
     return shapely.union_all(shapely.buffer(places, near_m))

@@ -113,7 +113,8 @@ class MultiSrtOptions(SrtOptions, frozen=True, kw_only=True, forbid_unknown_fiel
         Time for which it then leaves these out of its groups.
     check_period_s : float
         Time after which a robot that waits for the end of the exploration asks robots that it
-        has not heard from whether they are still there.
+        has not heard from whether they are still there; again every `ask_period_s` until they
+        answer, or are presumed lost.
     settle_s : float
         Time for which a robot that waits, and has heard news, waits for more of it.
     home_after_s : float

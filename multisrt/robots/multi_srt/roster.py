@@ -137,6 +137,10 @@ class Roster:
         self._unanswered[number] = 0
         self._obstacles.silent.pop(number, None)
 
+    def is_to_answer(self, number: int) -> bool:
+        """Whether a robot has been asked, and not been heard from since, but is not given up."""
+        return self._unanswered.get(number, 0) > 0
+
     def is_lost_when_asked(self, number: int) -> bool:
         """Count a question to a robot; return whether it is presumed lost now."""
         self._unanswered[number] = self._unanswered.get(number, 0) + 1

@@ -256,20 +256,27 @@ def exploration_running(robot: SrtRobot) -> bool:
 
 
 def wait_for_news(robot: SrtRobot) -> Steps:
-    """Stand by until there is news; periodically ask robots not heard from for long."""
-    team, at, check_s = robot.team, robot.at, robot.options.check_period_s
-    roster = team.roster
-    if robot.has_unlimited_range:
-        until_s = at.time_s + check_s
-    else:
-        until_s = max(at.time_s, _next_take_over_s(robot)) + robot.options.settle_s
+    """Stand by until there is news; ask robots not heard from for long, until they answer."""
+    team, at = robot.team, robot.at
+    if not robot.has_unlimited_range:
+        news_s = max(at.time_s, _next_take_over_s(robot)) + robot.options.settle_s
+        yield from stand_by(robot, news_s)
+        return
+    is_waiting = any(team.roster.is_to_answer(number) for number in _unheard(robot))
+    until_s = at.time_s + (team.period_s if is_waiting else robot.options.check_period_s)
     yield from stand_by(robot, until_s)
-    if robot.has_unlimited_range and at.time_s >= until_s:
-        yield from team.ask(
-            n
-            for n in team.others
-            if n not in roster.lost and roster.heard_s.get(n, 0.0) <= at.time_s - check_s
-        )
+    if at.time_s >= until_s:
+        yield from team.ask(_unheard(robot))
+
+
+def _unheard(robot: SrtRobot) -> list[int]:
+    # The robots from which there has been nothing for long, and which are not presumed lost.
+    roster, since_s = robot.team.roster, robot.at.time_s - robot.options.check_period_s
+    return [
+        number
+        for number in robot.team.others
+        if number not in roster.lost and roster.heard_s.get(number, 0.0) <= since_s
+    ]
 
 
 def ask_those_in_the_way(robot: SrtRobot) -> Steps:

@@ -114,3 +114,38 @@ def leave(robot, steps):
     """Take steps from a node."""
     robot.at.here = None
     yield from steps
+
+
+def test_a_robot_that_does_not_answer_is_soon_asked_again(monkeypatch):
+    """With messages lost, it is presumed lost only after many questions."""
+    at = SimpleNamespace(time_s=100.0)
+    waits: list[float] = []
+    asked: list[list[int]] = []
+
+    def stand_by(robot, until_s):
+        waits.append(until_s - at.time_s)
+        at.time_s = until_s
+        yield from ()
+
+    def ask(pending):
+        asked.append(list(pending))
+        yield from ()
+
+    roster = SimpleNamespace(
+        lost={3: None}, heard_s={1: 99.0, 2: 120.0}, is_to_answer=lambda number: bool(asked)
+    )
+    robot: Any = SimpleNamespace(
+        at=at,
+        has_unlimited_range=True,
+        options=SimpleNamespace(check_period_s=30.0),
+        team=SimpleNamespace(others=[1, 2, 3], roster=roster, period_s=0.5, ask=ask),
+    )
+    monkeypatch.setattr(support, "stand_by", stand_by)
+    for _ in range(3):
+        list(support.wait_for_news(robot))
+    assert waits == [30.0, 0.5, 0.5]
+    assert asked == [[1], [1], [1]]
+    roster.heard_s[1] = at.time_s + 1.0
+    list(support.wait_for_news(robot))
+    assert waits[3] == 30.0
+    assert asked[3] == [2]

@@ -405,5 +405,8 @@ def intersect_pieces(
 @inlined_kernel
 def _is_on(a: FloatArray, b: FloatArray, ux: float, uy: float) -> bool:
     # Whether a point b is farther on in a direction than a, where rounding makes them equally far.
-    # Of points at two lengths along a segment, no coordinate of the farther one is farther back.
-    return bool(ux * b[0] > ux * a[0] or uy * b[1] > uy * a[1])
+    # Points at two lengths along a segment never differ in both coordinates in opposite ways, but
+    # points that are computed in different ways may: x decides, so that any order finds the same.
+    if b[0] != a[0]:
+        return bool((b[0] > a[0]) == (ux > 0.0))
+    return bool(b[1] != a[1] and (b[1] > a[1]) == (uy > 0.0))

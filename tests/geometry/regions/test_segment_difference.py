@@ -9,7 +9,7 @@ from shapely.geometry.base import BaseGeometry
 
 from multisrt.geometry.numerics.rings import Rings
 from multisrt.geometry.regions.frontier_arcs import total_length
-from multisrt.geometry.regions.segment_difference import beside, uncovered
+from multisrt.geometry.regions.segment_difference import beside, intersect_pieces, uncovered
 
 
 def lines(segments):
@@ -113,3 +113,15 @@ def test_subtractions_in_any_order_leave_the_difference(subtracting, stretches, 
             expected = expected.difference(shapely.LineString([(a, 0), (b, 0)]))
     lengths = np.hypot(*(left[0][:, 2:] - left[0][:, :2]).T)
     assert lengths.sum() == pytest.approx(expected.length, abs=1e-4 * (len(stretches) + 1))
+
+
+@pytest.mark.parametrize("end", [(1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)])
+def test_of_two_points_that_are_equally_far_any_order_keeps_the_same(end):
+    """Computed in two ways, each is farther on in one coordinate, by its last digit."""
+    more = np.nextafter(0.5, 1.0)
+    whole = np.array([[0.0, 0.0, *end]])
+    points = (np.array([[0.5, more], [more, 0.5]]) * end).tolist()
+    for pieces in ([[*p, *end] for p in points], [[0.0, 0.0, *p] for p in points]):
+        one, other = np.array(pieces[:1]), np.array(pieces[1:])
+        found, _ = intersect_pieces(one, whole, other, np.array([0]))
+        assert found.tolist() == intersect_pieces(other, whole, one, np.array([0]))[0].tolist()

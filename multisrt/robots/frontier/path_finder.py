@@ -111,9 +111,10 @@ class PathFinder:
     def first_cell(self) -> tuple[int, int] | None:
         """Return the cell at which the robot's paths begin; to be called in `around_bodies`.
 
-        It is the nearest passable cell. Beside a body that may be one from which no path leads,
-        or one that can be reached only past the body; then it is the nearest cell from which a
-        path leads and to which the robot can drive straight.
+        It is the nearest passable cell. Beside a wall or a body that may be one from which no path
+        leads, or one that can be reached only past the body; then it is the nearest cell from
+        which a path leads and to which the robot can drive straight. If bodies are in the way and
+        the robot stands on a passable cell, it is this cell.
 
         Returns
         -------
@@ -122,7 +123,9 @@ class PathFinder:
         """
         raster, (x, y, _) = self._map.raster, self._course.at
         nearest = raster.passable_near(x, y, NEAR_BY_CELLS)
-        if nearest is None or nearest == raster.cell_of(x, y):
+        is_own = nearest == raster.cell_of(x, y)
+        # Bodies all around a passable cell may give way.
+        if nearest is None or (is_own and (len(self._discs) or self._leads_straight(*nearest))):
             return nearest
         around = raster.passable_centres(x, y, (NEAR_BY_CELLS - 0.5) * raster.cell_m)
         cells = raster.cells_of(around)
@@ -134,7 +137,7 @@ class PathFinder:
         rim = np.abs(cells - raster.cell_of(x, y)).max(axis=1) >= NEAR_BY_CELLS
         own = labels[tuple((cells - corner).T)]
         leads = np.isin(own, own[rim])
-        keeps_off = self._keeps_off_bodies(raster.centre_of(*nearest))
+        keeps_off = is_own or self._keeps_off_bodies(raster.centre_of(*nearest))
         if keeps_off and leads[(cells == nearest).all(axis=1)].any():
             return nearest
         away = np.hypot(*(around - (x, y)).T)
@@ -146,6 +149,14 @@ class PathFinder:
                 row, column = cells[k].tolist()
                 return row, column
         return nearest if keeps_off else None
+
+    def _leads_straight(self, row: int, column: int) -> bool:
+        # Whether passable cells lead from one in a row or column for `NEAR_BY_CELLS`.
+        raster, far = self._map.raster, NEAR_BY_CELLS + 1
+        i, j = row - raster.row, column - raster.column
+        along_row, along_column = raster.passable[i], raster.passable[:, j]
+        rays = along_row[j:], along_row[j::-1], along_column[i:], along_column[i::-1]
+        return any(len(ray) >= far and bool(ray[:far].all()) for ray in rays)
 
     def goal_at(self, field: DistanceField, x: float, y: float) -> Goal:
         """Return a place as a goal, with the path to it.

@@ -501,14 +501,20 @@ def test_path_gaps_agree_with_dense_sampling(seed):
         ((9.44, 6.85), 2, 4, "pocket"),
         ((10.5, 7.35), 7, 4, "west"),
         ((10.5, 7.35), 7, 16, "nowhere"),
-        (None, 2, 4, "own cell"),
+        ((10.5, 7.35), 0, 4, "own cell"),
+        (None, 0, 4, "west"),
+        (None, 0, 16, "own cell"),
+        (None, None, 4, "own cell"),
     ],
     ids=[
         "a way leads away from the body",
         "the way on would come nearer",
         "to the pocket it would come nearer",
         "there is but the pocket, past the body",
-        "no body",
+        "the body may give way",
+        "no path leads from the own cell",
+        "no path leads from anywhere",
+        "all is passable",
     ],
 )
 def test_paths_begin_where_no_body_stops_the_robot(body, pocket, west, begins_in):
@@ -520,7 +526,7 @@ def test_paths_begin_where_no_body_stops_the_robot(body, pocket, west, begins_in
     robot.map.view(scan)
     expected = {
         "west": (cell[0], cell[1] - 5),
-        "pocket": (cell[0] + pocket, cell[1]),
+        "pocket": (cell[0] + (pocket or 0), cell[1]),
         "own cell": cell,
         "nowhere": None,
     }
@@ -529,6 +535,7 @@ def test_paths_begin_where_no_body_stops_the_robot(body, pocket, west, begins_in
             robot=1, configuration=Configuration(*body), footprint=Footprint.parse("disc:0.25")
         )
         robot.bodies.add(seen)
+    if pocket is not None:
         row, column = cell[0] - raster.row, cell[1] - raster.column
         raster.passable[row - 12 : row + 13, column - west : column + 13] = False
         raster.passable[row + pocket, column] = True

@@ -105,11 +105,11 @@ def complete_is_complete(run: JudgedRun) -> Violation | None:
       count. Unknown parts that contain no disc of 0.05 m are ignored.
 
     Arcs that were closed as seen from nearby count only if a scan from the place shows at least
-    what the rules count as more, an area of `d_min_m` squared: in a corner that narrows, stars show
-    only a strip at a time. If `max_views` is less than 3, or `d_min_m` greater than the body's
-    width, such arcs do not count at all, because too few views of too large an area are allowed.
-    Nor do they with `srt-ball`: a ball hardly wider than the body has no place that is not
-    near its node, and its arc is closed before other robots know the space around it.
+    what the rules count as more, an area of `d_min_m` squared, and at least 0.05 m2: in a corner
+    that narrows, stars show only a strip at a time. If `max_views` is less than 3, or `d_min_m`
+    greater than the body's width, such arcs do not count at all, because too few views of too large
+    an area are allowed. Nor do they with `srt-ball`: a ball hardly wider than the body has no place
+    that is not near its node, and its arc is closed before other robots know the space around it.
 
     Also ignored are unknown parts of less than 0.05 m2; with stars and balls, places within
     `contact_tolerance_m` of a wall; with a laser, places so close to a wall that its beams omit
@@ -332,7 +332,7 @@ def _shows_hardly_more(
     )
     shown = solid(shapely.make_valid(shapely.Polygon(region.boundary)))
     more = shapely.difference(shown, united(run, names), grid_size=GRID_M)
-    return bool(more.area < d_min_m**2)
+    return bool(more.area < max(d_min_m**2, MIN_BEHIND_M2))
 
 
 def _seen_from_near(run: JudgedRun) -> BaseGeometry:

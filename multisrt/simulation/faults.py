@@ -119,11 +119,8 @@ class Faults:
             self._motions.end(robot, now_s)
         robot.state, robot.hears = "dead", False
         robot.mailbox.clear()
-        self._journal.note_time(now_s)
         place = self._motions.where(robot)
-        self._journal.record(
-            Died(time_s=now_s, robot=robot.number, configuration=(*place,), doing=was)
-        )
+        self._record(Died(time_s=now_s, robot=robot.number, configuration=(*place,), doing=was))
         robot.poke()
 
     # Silences ----------------------------------------------------------------------------
@@ -138,9 +135,14 @@ class Faults:
     def _silence(self, robot: Robot) -> None:
         if robot.state in ("on", "done") and robot.hears:
             robot.hears = False
-            self._journal.record(FellSilent(time_s=self._clock.now_s, robot=robot.number))
+            self._record(FellSilent(time_s=self._clock.now_s, robot=robot.number))
 
     def _come_back(self, robot: Robot) -> None:
         if robot.state in ("on", "done") and not robot.hears and not self._is_silent(robot):
             robot.hears = True
-            self._journal.record(CameBack(time_s=self._clock.now_s, robot=robot.number))
+            self._record(CameBack(time_s=self._clock.now_s, robot=robot.number))
+
+    def _record(self, event: Died | FellSilent | CameBack) -> None:
+        # A run that is not over yet does not end before it.
+        self._journal.note_time(event.time_s)
+        self._journal.record(event)

@@ -302,6 +302,19 @@ def test_a_silent_robot_goes_on(play, straight):
     assert recording.footer.time_s == 8.0
 
 
+def test_a_run_ends_no_earlier_than_a_silence_on_record(play, events_of, talk):
+    """The robot falls silent while the last message, which could call it on, is on its way."""
+    recording, _ = play(
+        [Done(complete=True, reason="enough", on_call=True)],
+        lambda: talk(1, 1),
+        radio=RadioSpec(latency_s=3.0),
+        faults=[Silence(robot=0, time_s=2.0, duration_s=5.0)],
+    )
+    assert events_of(recording, FellSilent) == [FellSilent(time_s=2.0, robot=0)]
+    assert events_of(recording, CameBack) == []
+    assert recording.footer.time_s == 2.0
+
+
 def test_silences_that_overlap_are_one(play, events_of, talk):
     recording, _ = play(
         [Receive(10.0), END],

@@ -796,6 +796,19 @@ def test_places_beside_nodes_of_trees_count_as_looked_from(srt, spacing, has_loo
     assert bool(broken(run, "complete-is-complete")) is not has_looked
 
 
+CORRIDOR_TO_5_M = NodeAdded(
+    time_s=0.0,
+    robot=0,
+    serial=0,
+    parent=None,
+    configuration=(1.2, 0.5, 0.0),
+    stage="root",
+    boundary=((0.0, 0.0), (5.0, 0.0), (5.0, 1.0), (0.0, 1.0)),
+    tags="0100",
+)
+"""What a first scan shows of a corridor of 1 m."""
+
+
 @pytest.mark.parametrize(
     ("behind_m", "is_closed", "is_left"),
     [(0.5, True, True), (0.17, True, False), (0.17, False, True)],
@@ -803,22 +816,12 @@ def test_places_beside_nodes_of_trees_count_as_looked_from(srt, spacing, has_loo
 def test_an_arc_seen_from_near_counts_if_a_scan_shows_more(behind_m, is_closed, is_left):
     # A corridor of 1 m whose end is unknown; an area of d_min squared is 0.16 m2.
     world = Environment("corridor", shapely.box(0.0, 0.0, 5.0 + behind_m, 1.0))
-    node = NodeAdded(
-        time_s=0.0,
-        robot=0,
-        serial=0,
-        parent=None,
-        configuration=(1.2, 0.5, 0.0),
-        stage="root",
-        boundary=((0.0, 0.0), (5.0, 0.0), (5.0, 1.0), (0.0, 1.0)),
-        tags="0100",
-    )
     closed = ArcClosed(
         time_s=1.0, robot=0, node=(0, 0), reason="seen from near", arc=((5.0, 0.0, 5.0, 1.0),)
     )
     end = Ended(time_s=1.0, robot=0, reason="nothing is left", complete=True, frontier=())
     run = written(
-        [node, *[closed] * is_closed, end],
+        [CORRIDOR_TO_5_M, *[closed] * is_closed, end],
         starts=((1.2, 0.5, 0.0),),
         environment=world,
         robots=(RobotSpec(footprint="disc:0.2"),),
@@ -832,16 +835,6 @@ def test_a_robot_behind_a_body_is_boxed_in(there, way_is_free):
     # A corridor of 1 m: robot 1 stands in it, and robot 0 has seen past it, up to 5 m.
     world = Environment("corridor", shapely.box(0.0, 0.0, 12.0, 1.0))
     robots = (RobotSpec(footprint="disc:0.2"), RobotSpec(footprint="disc:0.3"))
-    node = NodeAdded(
-        time_s=0.0,
-        robot=0,
-        serial=0,
-        parent=None,
-        configuration=(1.2, 0.5, 0.0),
-        stage="root",
-        boundary=((0.0, 0.0), (5.0, 0.0), (5.0, 1.0), (0.0, 1.0)),
-        tags="0100",
-    )
     end = Ended(
         time_s=1.0,
         robot=0,
@@ -850,7 +843,7 @@ def test_a_robot_behind_a_body_is_boxed_in(there, way_is_free):
         frontier=(),
     )
     run = written(
-        [node, end],
+        [CORRIDOR_TO_5_M, end],
         starts=((1.2, 0.5, 0.0), (there, 0.5, 0.0)),
         environment=world,
         robots=robots,

@@ -395,6 +395,7 @@ TRIED: Final = (
     "corridors beyond frontiers can bring no more than this.",
     "- More frequent scans or choices: at best 0.99 of the time, with up to 2.5 times the "
     "computing time.",
+    "- Paths that count up to where most of the area beyond a frontier is in sight: 1.05.",
     "- Assigning frontiers by the shortest longest tour, or going along the shortest tour without "
     "values: 1.04 and 1.06.",
     "- Routes of the whole team over all frontiers ([routes](../algorithms/routes.md)): 0.99 of "

@@ -197,7 +197,8 @@ class _Table:
 
     def of(self, nodes: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return lengths (inf: no path), turning, and angles of the line at the first node."""
-        if len(self._slots) + len(nodes) > MAX_SLOTS:
+        new = sum(node not in self._slots for node in nodes.tolist())
+        if new and len(self._slots) + new > MAX_SLOTS:
             self._slots.clear()
             self._legs[:] = np.nan
         slots = np.array([self._slot(int(node)) for node in nodes], np.int64)

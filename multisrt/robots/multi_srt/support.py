@@ -60,8 +60,7 @@ def support_others(robot: SrtRobot, supported: Supported) -> Steps:
         if tree is not None:
             yield from until_boxed_in(robot, support(robot, tree))
             supported.left_m[tree] = open_frontier(robot, tree)
-            yield from until_boxed_in(robot, transfer_to(robot, robot.trees.root, None))
-            yield from robot.team.rest()
+            yield from go_home(robot)
         elif exploration_running(robot):
             yield from wait_for_news(robot)
         else:
@@ -72,6 +71,12 @@ def support(robot: SrtRobot, tree: NodeId) -> Steps:
     """Go to another robot's tree, and extend it."""
     yield from transfer_to(robot, entry(robot, tree), tree)
     yield from build_srt(robot, supports=True)
+
+
+def go_home(robot: SrtRobot) -> Steps:
+    """Go to the root of the robot's own tree, and tell that it stands."""
+    yield from until_boxed_in(robot, transfer_to(robot, robot.trees.root, None))
+    yield from robot.team.rest()
 
 
 def entry(robot: SrtRobot, tree: NodeId) -> NodeId:
@@ -312,16 +317,14 @@ def follow_orders(robot: SrtRobot) -> Steps:
 
 
 def _give_way(robot: SrtRobot, order: Order) -> Steps:
-    root = robot.trees.root
     yield from until_boxed_in(robot, move_to(robot, robot.journey.step_by(order, None)))
     yield from robot.team.rest()
     if robot.at.here is None:
         return
-    route = robot.routes.route(robot.at.here, root)
+    route = robot.routes.route(robot.at.here, robot.trees.root)
     if route is not None and robot.routes.length_m(route) > robot.me.range_m:
         yield from robot.team.pause(robot.options.home_after_s)
-        yield from until_boxed_in(robot, transfer_to(robot, root, None))
-        yield from robot.team.rest()
+        yield from go_home(robot)
 
 
 def _last_extended_s(robot: SrtRobot, root: NodeId) -> float:

@@ -118,8 +118,8 @@ MUTANTS: Final = (
         name="silence-not-silent",
         breaks="A radio that fails is on record as such, and works.",
         file="simulation/faults.py",
-        old="            robot.hears = False\n            self._journal",
-        new="            self._journal",
+        old="            robot.hears = False\n            self._record",
+        new="            self._record",
     ),
     Mutant(
         name="death-ignored",

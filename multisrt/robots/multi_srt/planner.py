@@ -48,6 +48,8 @@ class Planner:
     def __init__(self, robot: SrtRobot, *, completing: bool = False) -> None:
         self._robot = robot
         self._completing = completing
+        self._postponed: dict[tuple[NodeId, bytes], FloatArray] = {}
+        self._postponed_with = 0
 
     def __call__(self, frontier: FloatArray, draws: Draws) -> Choosing:
         """Choose the next target from the current node.
@@ -177,17 +179,19 @@ class Planner:
     def _view_or_close(
         self, here: NodeId, tree: NodeId
     ) -> Generator[Action, Outcome, Found | None]:
-        # A target that leads to a view of an arc; arcs of which there is no view are closed.
+        # A target that leads to a view of an arc; arcs of which there is no view are closed. One to
+        # whose views no path leads is postponed until nothing else is left: nodes that are added
+        # meanwhile may be what is missing.
         robot = self._robot
         trees, routes = robot.trees, robot.routes
         late: set[NodeId] = set()
 
         def may_go_to(node: NodeId) -> bool:
-            return node not in late and self._may_go_to(node)
+            return node not in late and self._may_go_to(node) and bool(self._arcs(node))
 
         while (route := routes.to_nearest(here, may_go_to)) is not None:
             node = route[-1]
-            for arc in robot.deferred.arcs(node):
+            for arc in self._arcs(node):
                 found = robot.views.viewing_place(node, arc)
                 if isinstance(found, NewPlace) and robot.leaves_out(found):
                     late.add(node)
@@ -199,6 +203,8 @@ class Planner:
                     return "nearest_open", KnownNode(tuple(route), node)
                 if isinstance(found, Barred):
                     yield from trees.defer(node, arc, found.bodies)
+                elif found == "not reachable":
+                    self._postpone(node, arc)
                 else:
                     yield from self._close(node, arc, found)
         past_bodies = robot.bypass.to(may_go_to)
@@ -206,14 +212,33 @@ class Planner:
             return "bypass", past_bodies
         if robot.homing is not None and robot.homing.has_left_out:
             robot.homing.raise_out_of_time()
+        if self._take_up_postponed():
+            return (yield from self._view_or_close(here, tree))
         for node in robot.map.open_nodes(tree):
             bodies = self._bodies_before(here, node)
             for arc in robot.deferred.arcs(node):
-                if bodies:
+                if bodies and (node, arc.tobytes()) not in self._postponed:
                     yield from trees.defer(node, arc, bodies)
                 else:
                     yield from self._close(node, arc, "not reachable")
         return None
+
+    def _arcs(self, node: NodeId) -> list[FloatArray]:
+        # The arcs of a node that no body bars and that are not postponed.
+        arcs = self._robot.deferred.arcs(node)
+        return [arc for arc in arcs if (node, arc.tobytes()) not in self._postponed]
+
+    def _postpone(self, node: NodeId, arc: FloatArray) -> None:
+        if not self._postponed:
+            self._postponed_with = len(self._robot.map.nodes)
+        self._postponed[node, arc.tobytes()] = arc
+
+    def _take_up_postponed(self) -> bool:
+        # Whether arcs were postponed when fewer nodes were known: they are looked at again.
+        if not self._postponed or len(self._robot.map.nodes) == self._postponed_with:
+            return False
+        self._postponed.clear()
+        return True
 
     def _close(self, node: NodeId, arc: FloatArray, reason: ClosingReason) -> Steps:
         # A robot that walls leave no motion cannot tell what can be reached.

@@ -62,8 +62,8 @@ INWARD_M: Final = 1e-4
 """Distance inside the known region from which a frontier arc is looked at, in metres."""
 
 LATTICE_STEPS: Final = (0.25, 0.125)
-"""Steps of the lattices of viewing places, as shares of `d_min_m`. The finer is used where all
-places on the other have been looked from."""
+"""Steps of the lattices of viewing places, as shares of `d_min_m`, or of the body's width if it is
+smaller. The finer is used where all places on the other have been looked from."""
 
 
 Accept = Callable[[float, float], str | None]
@@ -330,9 +330,10 @@ class SrtPlanner:
         """
         found: ViewingPlace | Refusal = "seen from near"
         questions = None if leads is None else Questions(leads, MAX_ASKED)
+        unit_m = min(self.d_min_m, self.body.footprint.width_m)
         for step in LATTICE_STEPS:
             if found == "seen from near":
-                places = lattice(within_m, step * self.d_min_m)
+                places = lattice(within_m, step * unit_m)
                 found = self._place_on(
                     places, arc, known, nodes, questions, bodies, past_bodies=past_bodies
                 )

@@ -48,23 +48,17 @@ class SrtExplorer:
         """BUILD_MULTI_SRT: extend the own tree, then those of others; then stand by."""
         robot, supported = self.robot, Supported()
         yield from robot.team.begin_step()
-        try:
-            yield from self.explore()
-        except OutOfTime:
-            yield from self.end_in_time()
+        yield from self.in_time(self.explore())
         while True:
             if not robot.team.is_alone and not self.is_out_of_time:
-                try:
-                    yield from self.support(supported)
-                except OutOfTime:
-                    yield from self.end_in_time()
+                yield from self.in_time(self.support(supported))
                 yield from ask_those_in_the_way(robot)
                 if robot.deferred.is_due() and not self.is_out_of_time:
                     continue
             yield from bring_the_rest(robot, "it knows of nothing that is left to explore")
             if not (yield from robot.team.ask_again()):
                 yield from robot.team.take((yield self.done()))
-            yield from follow_orders(robot)
+            yield from self.in_time(self.give_way())
 
     def explore(self) -> Steps:
         """Extend the own tree; deliver data meanwhile, and in the end."""
@@ -79,13 +73,20 @@ class SrtExplorer:
         """Extend the trees of others; deliver data meanwhile."""
         yield from bringing_home(self.robot, lambda: support_others(self.robot, supported), None)
 
-    def end_in_time(self) -> Steps:
-        """End, as there is no time for more."""
-        robot, homing = self.robot, self.robot.homing
-        assert homing is not None
-        self.is_out_of_time, homing.is_enabled = True, False
-        robot.at.tree = None
-        yield from robot.team.rest()
+    def give_way(self) -> Steps:
+        """Give way, if a master has ordered it; deliver data meanwhile."""
+        yield from bringing_home(self.robot, lambda: follow_orders(self.robot), None)
+
+    def in_time(self, task: Steps) -> Steps:
+        """Do a task; end it if there is no time for more."""
+        robot = self.robot
+        try:
+            yield from task
+        except OutOfTime:
+            assert robot.homing is not None
+            self.is_out_of_time, robot.homing.is_enabled = True, False
+            robot.at.tree = None
+            yield from robot.team.rest()
 
     def done(self) -> Done:
         """Return how it ended: all that it knows of is explored, or what was left and why."""

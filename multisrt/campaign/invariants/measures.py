@@ -41,8 +41,8 @@ def measures_consistent(run: JudgedRun) -> Violation | None:
     than covered; 90, 95 and 99 % are reached in this order and before the end. The covered area is
     at most the union of the nodes' regions, computed as an overlay of polygons; with exact range
     finders it is at least that union without its parts that are not explorable. The tolerance is
-    3e-4 of the explorable area; the accuracy of the measures is 1e-4. Arcs are approximated
-    by chords, in regions by others than in what scans showed: their tolerance is allowed in
+    3e-4 of the explorable area; the accuracy of the measures is 1e-4. Regions and what
+    scans showed approximate the same arc by different chords: the tolerance of chords is allowed in
     addition, along the border of the union away from walls.
 
     Cost: that of `measure`, about 0.15 s, and of the union. It is the highest of all invariants, so

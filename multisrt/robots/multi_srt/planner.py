@@ -48,7 +48,7 @@ class Planner:
     def __init__(self, robot: SrtRobot, *, completing: bool = False) -> None:
         self._robot = robot
         self._completing = completing
-        self._postponed: dict[tuple[NodeId, bytes], FloatArray] = {}
+        self._postponed: set[tuple[NodeId, bytes]] = set()
         self._postponed_with = 0
 
     def __call__(self, frontier: FloatArray, draws: Draws) -> Choosing:
@@ -217,7 +217,7 @@ class Planner:
         for node in robot.map.open_nodes(tree):
             bodies = self._bodies_before(here, node)
             for arc in robot.deferred.arcs(node):
-                if bodies and (node, arc.tobytes()) not in self._postponed:
+                if bodies and not self._is_postponed(node, arc):
                     yield from trees.defer(node, arc, bodies)
                 else:
                     yield from self._close(node, arc, "not reachable")
@@ -226,12 +226,16 @@ class Planner:
     def _arcs(self, node: NodeId) -> list[FloatArray]:
         # The arcs of a node that no body bars and that are not postponed.
         arcs = self._robot.deferred.arcs(node)
-        return [arc for arc in arcs if (node, arc.tobytes()) not in self._postponed]
+        return [arc for arc in arcs if not self._is_postponed(node, arc)]
+
+    def _is_postponed(self, node: NodeId, arc: FloatArray) -> bool:
+        # An arc that has been cut since is another one.
+        return (node, arc.tobytes()) in self._postponed
 
     def _postpone(self, node: NodeId, arc: FloatArray) -> None:
         if not self._postponed:
             self._postponed_with = len(self._robot.map.nodes)
-        self._postponed[node, arc.tobytes()] = arc
+        self._postponed.add((node, arc.tobytes()))
 
     def _take_up_postponed(self) -> bool:
         # Whether arcs were postponed when fewer nodes were known: they are looked at again.

@@ -138,7 +138,7 @@ class Roster:
         self._obstacles.silent.pop(number, None)
 
     def is_to_answer(self, number: int) -> bool:
-        """Whether a robot has been asked, and not been heard from since, but is not given up."""
+        """Whether a robot has been asked since it was last heard from, or presumed lost."""
         return self._unanswered.get(number, 0) > 0
 
     def is_lost_when_asked(self, number: int) -> bool:

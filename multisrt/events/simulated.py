@@ -143,7 +143,7 @@ class Ended(Event, frozen=True, kw_only=True, tag="ended"):
     reason : str
         Why it ended, in words.
     complete : bool
-        Whether it left no frontier that it knew how to reach once robots that answer moved off.
+        Whether it left no frontier that it could reach if no other body blocked its path.
     frontier : tuple of (x0, y0, x1, y1)
         The frontier segments that it left open.
     """

@@ -293,7 +293,7 @@ class Done(msgspec.Struct, frozen=True):
     Attributes
     ----------
     complete : bool
-        Whether it has explored everything that it could.
+        Whether it left no frontier that it could reach if no other body blocked its path.
     reason : str
         Why it ended, as text.
     frontier : tuple of (x0, y0, x1, y1)

@@ -78,6 +78,9 @@ LEFT_M: Final = 0.01
 BODY_SLACK_M: Final = 0.05
 """Added to the distance that robots keep from bodies, in metres."""
 
+IN_THE_WAY: Final = " in the way to "
+"""In the reason of a robot of the SRT family that ended with frontier behind other bodies."""
+
 BELIEF_S: Final = 30.0
 """Time for which a robot of the SRT family may not know that a body has left, in seconds."""
 
@@ -97,12 +100,11 @@ def complete_is_complete(run: JudgedRun) -> Violation | None:
       area, and two cells and the margin from walls; unknown parts that contain no disc with the
       radius of a cell are ignored;
     - SRT: the body's width and 0.1 m, within the range, or with `srt-ball` within the ball at the
-      place. The body keeps its margin and 0.02 m from walls and from the unknown area, and keeps
-      away from the other bodies at that time, because arcs behind bodies that do not answer are
-      left. Only the frontier of the robot's own tree counts, because other trees are left to their
-      robots: the border of its regions that no other region covers. Places within
-      `completion_spacing` times `d_min_m`, plus a cell of its lattice of places, of a node do not
-      count. Unknown parts that contain no disc of 0.05 m are ignored.
+      place. The body keeps its margin and 0.02 m from walls and from the unknown area. Only the
+      frontier of the robot's own tree counts, because other trees are left to their robots: the
+      border of its regions that no other region covers. Places within `completion_spacing` times
+      `d_min_m`, plus a cell of its lattice of places, of a node do not count. Unknown parts that
+      contain no disc of 0.05 m are ignored.
 
     Arcs that were closed as seen from nearby count only if a scan from the place shows at least
     what the rules count as more, an area of `d_min_m` squared, and at least 0.05 m2: in a corner
@@ -126,8 +128,7 @@ def complete_is_complete(run: JudgedRun) -> Violation | None:
             continue
         whole = run.recording.footer.outcome == "complete"
         at_s = run.end_s if whole else end.time_s
-        names = known_at(run, robot, None if whole else end)
-        found = _left(run, robot, names, at_s, around_bodies_s=0.0 if run.family == "srt" else None)
+        found = _left(run, robot, known_at(run, robot, None if whole else end), at_s)
         if found:
             return _violation(COMPLETE, robot, end, found[0])
     return None
@@ -139,21 +140,26 @@ def boxed_in_is_boxed_in(run: JudgedRun) -> Violation | None:
     As for `complete_is_complete`, with the bodies of all other robots as obstacles: at all places
     where they were during the time for which the robot may have assumed them to be there (1.5
     times `body_stays_s` for bidding robots, 30 s for SRT), enlarged by the distance of the
-    protective stop and a tolerance of 0.05 m or two cells. Robots that ended because they and
-    others failed too often to let each other pass (`max_jams`; SRT: `gives_up_after`) may have a
-    path, and are not checked. Nor are robots that are boxed in at their start, which they have not
-    left, where the region of their first scan has less room around them than they keep.
+    protective stop and a tolerance of 0.05 m or two cells. A robot of the SRT family that reports
+    bodies in the way to some frontier may assume the bodies, too, of the times at which it found
+    arcs blocked, because it does not return there to see whether they have left. Robots that ended
+    because they and others failed too often to let each other pass (`max_jams`; SRT:
+    `gives_up_after`) may have a path, and are not checked. Nor are robots that are boxed in at
+    their start, which they have not left, where the region of their first scan has less room
+    around them than they keep.
 
     Cost: a few overlays for each such robot.
     """
     for robot, end in sorted(run.ends.items(), key=lambda item: item[1].time_s):
-        if not end.reason.startswith("boxed in") or not _may_judge(run, robot):
+        boxed_in, barred = end.reason.startswith("boxed in"), IN_THE_WAY in end.reason
+        if end.complete or not (boxed_in or barred) or not _may_judge(run, robot):
             continue
         if _is_jammed(run, robot, end) or _is_walled_in(run, robot, end):
             continue
         belief_s = BELIEF_S if run.family == "srt" else 1.5 * run.options["body_stays_s"]
-        names = known_at(run, robot, end)
-        found = _left(run, robot, names, end.time_s, around_bodies_s=belief_s)
+        times_s = [*_blocked_s(run, robot), end.time_s] if barred else [end.time_s]
+        bodies = _bodies(run, robot, times_s, belief_s)
+        found = _left(run, robot, known_at(run, robot, end), end.time_s, bodies)
         if found:
             return _violation(BOXED_IN, robot, end, found[0])
     return None
@@ -204,8 +210,7 @@ def _left(
     robot: int,
     names: list[NodeName],
     at_s: float,
-    *,
-    around_bodies_s: float | None,
+    obstacles: BaseGeometry | None = None,
 ) -> list[OpenFrontier]:
     """Return what a robot could still open at a time.
 
@@ -215,14 +220,11 @@ def _left(
         The run, the robot, and what it knows.
     at_s : float
         The time (s).
-    around_bodies_s : float or None
-        Since how long before that time bodies count as obstacles; None: they do not.
+    obstacles : geometry, optional
+        Places where its reference point cannot be.
     """
     at = run.tracks[robot].at(np.array([at_s]))[0].tolist()
     reach = reach_of(run, robot)
-    obstacles = None
-    if around_bodies_s is not None:
-        obstacles = _bodies(run, robot, at_s - around_bodies_s, at_s)
     only: BaseGeometry | None = None
     looked = None
     if run.family == "srt":
@@ -283,17 +285,24 @@ def _blind_m(finder: RangeFinderSpec) -> float:
     return BLIND * finder.range_m * less
 
 
-def _bodies(run: JudgedRun, robot: int, begin_s: float, end_s: float) -> BaseGeometry:
-    # Where the others were from a time to another, grown by what the robot keeps off them.
+def _blocked_s(run: JudgedRun, robot: int) -> list[float]:
+    # When it found that bodies block the path to an arc.
+    closed = run.recording.of(ArcClosed)
+    return [e.time_s for e in closed if e.robot == robot and e.reason == "blocked by a robot"]
+
+
+def _bodies(run: JudgedRun, robot: int, times_s: list[float], belief_s: float) -> BaseGeometry:
+    # Where the others were within a while before some times, grown by what the robot keeps off.
     options = run.options
     slack_m = BODY_SLACK_M + 2.0 * options.get("cell_m", 0.0)
     keep_m = run.bodies[robot].circumscribed_m + 1.2 * options["guard_m"] + slack_m
-    times = np.unique(np.append(np.arange(max(0.0, begin_s), end_s, 0.5), end_s))
     taken = []
-    for other in run.robots:
-        if other != robot:
-            path = shapely.LineString(run.tracks[other].at(np.append(times, end_s))[:, :2])
-            taken.append(path.buffer(keep_m + run.bodies[other].circumscribed_m))
+    for end_s in times_s:
+        times = np.append(np.arange(max(0.0, end_s - belief_s), end_s, 0.5), [end_s, end_s])
+        for other in run.robots:
+            if other != robot:
+                path = shapely.LineString(run.tracks[other].at(times)[:, :2])
+                taken.append(path.buffer(keep_m + run.bodies[other].circumscribed_m))
     return shapely.union_all(taken)
 
 

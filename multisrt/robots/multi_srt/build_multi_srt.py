@@ -98,7 +98,6 @@ class SrtExplorer:
         frontier = [robot.map.frontier(node) for node in nodes]
         open_m = deferred.open_m(robot.trees.root)
         barred_m, barring = deferred.left()
-        may_leave = any(map(robot.team.roster.answers, barring))
         if open_m and robot.progress.is_boxed_in:
             walls = robot.is_walled_in and not robot.obstacles
             boxed_in = WALLED_IN if walls else boxed_in_by(robot.obstacles.all)
@@ -109,7 +108,7 @@ class SrtExplorer:
                 f"{sum(map(deferred.has_frontier, nodes))} nodes"
             )
         elif barring:
-            one = len(barring) == 1
+            one, may_leave = len(barring) == 1, any(map(robot.team.roster.answers, barring))
             do_not = f"{'does' if one else 'do'} not {'give way' if may_leave else 'answer'}"
             reason = (
                 f"{named_robots(barring)}, which {do_not}, {'stands' if one else 'stand'} in the "
@@ -125,8 +124,7 @@ class SrtExplorer:
                     f"{named_robots(others)} are left to other robots or out of reach"
                 )
         return Done(
-            # What is left is behind robots that cannot be ordered to leave, if it is anywhere.
-            complete=not open_m and not may_leave,
+            complete=not open_m and not barring,
             reason=reason,
             frontier=tuple(segment for arcs in frontier for segment in segments_of(arcs)),
             on_call=robot.team.has_receivers,

@@ -392,7 +392,9 @@ def test_robots_that_block_each_other_do_not_wait_for_ever(
         stop=StopRule(max_time_s=5000.0),
         seed=seed,
     )
-    assert simulate(spec).footer.outcome == "complete"
+    footer = simulate(spec).footer
+    assert footer.outcome in ("complete", "stalled")
+    assert "for a message that never comes" not in footer.reason
 
 
 @pytest.mark.parametrize("support", [True, False])

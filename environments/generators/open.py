@@ -27,7 +27,7 @@ def open_hall(*, size_m: float = 20.0, columns: int = 0, seed: int = 0) -> Envir
     size_m : float
         Inner width and height, 5 to 200 m.
     columns : int
-        Number of columns, from 0 to one per 16 m2.
+        Number of columns, from 0 to one per 16 m2; at most one in a hall narrower than 5.8 m.
     seed : int
         Seed of the places of the columns; an empty hall does not depend on it.
 
@@ -47,7 +47,8 @@ def open_hall(*, size_m: float = 20.0, columns: int = 0, seed: int = 0) -> Envir
     144.0
     """
     size_m = number("open", "size_m", size_m, 5.0, 200.0)
-    columns = whole("open", "columns", columns, 0, int(size_m**2 / 16.0))
+    most = min(int(size_m**2 / 16.0), int(size_m / COLUMN_PITCH_M) ** 2)
+    columns = whole("open", "columns", columns, 0, most)
     seed = seed_number("open", seed)
 
     hall = shapely.box(0.0, 0.0, size_m, size_m)

@@ -82,6 +82,20 @@ def test_columns_move_with_the_seed() -> None:
     assert all(len(world.free.geoms[0].interiors) == 5 for world in worlds)
 
 
+@given(size_m=st.floats(5, 30), share=st.floats(0, 1), seed=st.integers(0, 2**32))
+def test_halls_are_passable_with_any_number_of_columns(
+    size_m: float, share: float, seed: int
+) -> None:
+    most = 1 if size_m < 5.8 else int(size_m**2 / 16)
+    world = environment("open", size_m=size_m, columns=round(share * most), seed=seed)
+    assert_passable(world, PASSAGES_M["open"])
+
+
+def test_a_small_hall_has_room_for_one_column() -> None:
+    with pytest.raises(InvalidInputError, match=r"columns=2 .* from 0 to 1"):
+        environment("open", size_m=5.79, columns=2)
+
+
 VARIATIONS: dict[str, Any] = {
     "garden": (
         "path_m",

@@ -142,7 +142,8 @@ def boxed_in_is_boxed_in(run: JudgedRun) -> Violation | None:
     times `body_stays_s` for bidding robots, 30 s for SRT), enlarged by the distance of the
     protective stop and a tolerance of 0.05 m or two cells. A robot of the SRT family that reports
     bodies in the way to some frontier may assume the bodies, too, of the times at which it found
-    arcs blocked, because it does not return there to see whether they have left. Robots that ended
+    arcs blocked, because it does not return there to see whether they have left; it is not checked
+    if it stands so near to a body that all of its paths begin too near to it. Robots that ended
     because they and others failed too often to let each other pass (`max_jams`; SRT:
     `gives_up_after`) may have a path, and are not checked. Nor are robots that are boxed in at
     their start, which they have not left, where the region of their first scan has less room
@@ -157,6 +158,8 @@ def boxed_in_is_boxed_in(run: JudgedRun) -> Violation | None:
         if _is_jammed(run, robot, end) or _is_walled_in(run, robot, end):
             continue
         belief_s = BELIEF_S if run.family == "srt" else 1.5 * run.options["body_stays_s"]
+        if barred and _is_beside_a_body(run, robot, end.time_s):
+            continue
         times_s = [*_blocked_s(run, robot), end.time_s] if barred else [end.time_s]
         bodies = _bodies(run, robot, times_s, belief_s)
         found = _left(run, robot, known_at(run, robot, end), end.time_s, bodies)
@@ -304,6 +307,12 @@ def _bodies(run: JudgedRun, robot: int, times_s: list[float], belief_s: float) -
                 path = shapely.LineString(run.tracks[other].at(times)[:, :2])
                 taken.append(path.buffer(keep_m + run.bodies[other].circumscribed_m))
     return shapely.union_all(taken)
+
+
+def _is_beside_a_body(run: JudgedRun, robot: int, at_s: float) -> bool:
+    # Whether a robot stands where no path may pass for the body of another one.
+    place = run.tracks[robot].at(np.array([at_s]))[0, :2]
+    return bool(_bodies(run, robot, [at_s], 0.0).covers(shapely.Point(place)))
 
 
 def _gives_up_early(run: JudgedRun, robot: int) -> bool:

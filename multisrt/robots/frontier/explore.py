@@ -412,7 +412,7 @@ class FrontierExplorer:
         robot, asked = self.robot, self.robot.team.requests.give_way
         assert asked is not None
         place = robot.at[:2]
-        yield from give_way(robot)
+        yield from give_way(robot, self.progress.note_giving_way(asked.sender))
         if math.dist(robot.at[:2], place) <= MOVED_M:
             self.progress.note_jam(asked.sender)
         return Event.GAVE_WAY

@@ -22,6 +22,12 @@ from multisrt.robots.frontier.messages import GiveWayMessage
 from multisrt.robots.frontier.progress import Event, Progress
 from multisrt.robots.frontier.robot import FrontierRobot
 
+EASY_TIMES = 4
+"""A robot that gives way to another one more often than this, with the same map, pauses longer."""
+
+MAX_DOUBLINGS = 4
+"""How many times a pause is doubled at most."""
+
 
 def find_detour(
     robot: FrontierRobot, goal: Goal, progress: Progress
@@ -82,8 +88,19 @@ def ask_to_leave(robot: FrontierRobot, goal: Goal, met: Sighting) -> Steps:
     robot.bodies.add(met, robot.time_s + share * robot.options.body_stays_s)
 
 
-def give_way(robot: FrontierRobot) -> Steps:
-    """Leave the path of the robot that asked for it, and wait until it has passed."""
+def give_way(robot: FrontierRobot, times: int) -> Steps:
+    """Leave the path of the robot that asked for it, and give it time to pass.
+
+    Robots that make room for each other by turns, each of which is slow to pass, would do so
+    forever: after `EASY_TIMES` times, each pause is twice as long as the one before.
+
+    Parameters
+    ----------
+    robot : FrontierRobot
+        The robot that was asked.
+    times : int
+        How often it has already given way to that robot since its map last changed.
+    """
     team, pause_s = robot.team, robot.options.pause_s
     asked, team.requests.give_way = team.requests.give_way, None
     assert asked is not None
@@ -100,7 +117,11 @@ def give_way(robot: FrontierRobot) -> Steps:
             yield Send(request_for(robot, robot.goal, firm=True), asked.sender)
         yield from team.pause(pause_s * robot.me.rng.random())
         return
-    yield from team.pause(pause_s * (0.5 + robot.me.rng.random()))
+    once_s = pause_s * (0.5 + robot.me.rng.random())
+    until_s = robot.time_s + once_s * 2.0 ** min(max(times - EASY_TIMES, 0), MAX_DOUBLINGS)
+    yield from team.pause(once_s)
+    while robot.time_s < until_s and team.requests.give_way is None:
+        yield from team.pause(once_s)
 
 
 def leave_by_exit(robot: FrontierRobot, asked: GiveWayMessage) -> Generator[Action, Outcome, bool]:

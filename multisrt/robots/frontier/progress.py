@@ -54,10 +54,10 @@ COMPLETE      No frontier is left that it can reach; the robot is done until it 
 
 What ends a state is an `Event`; `TRANSITIONS` says where it leads. Attempts that fail are counted,
 and the limits are options. Jams are counted while the robot stands at one place and its map stays
-the same (`Standstill`); waits, and meetings in which both robots ask the other to give way, while
-its map stays the same, wherever it moves; and where a detour began no other one begins while the
-map stays the same. Goals to which no path was free are given
-up, see `Progress.note_no_path`.
+the same (`Standstill`). While its map stays the same, wherever it moves, waits are counted, and
+meetings in which both robots ask the other to give way, and how often it gives way to another,
+which makes its pauses longer; and where a detour began no other one begins. Goals to which no path
+was free are given up, see `Progress.note_no_path`.
 
 ====================  ============================================================================
 `patience`            times a robot asks another to give way, in MEETING, before it takes the body
@@ -232,6 +232,21 @@ class Standstill:
     found_no_path: bool = False
 
 
+class _Counts:
+    """Counts by robot, which begin anew when the map changes."""
+
+    def __init__(self, raster: Occupancy) -> None:
+        self._raster = raster
+        self._revision = raster.revision
+        self._by_robot: Counter[int] = Counter()
+
+    @property
+    def by_robot(self) -> Counter[int]:
+        if self._revision != self._raster.revision:
+            self._revision, self._by_robot = self._raster.revision, Counter()
+        return self._by_robot
+
+
 class Progress:
     """The state of one robot, and its failed attempts.
 
@@ -268,9 +283,9 @@ class Progress:
         self._detoured_revision = raster.revision
         self._waits = 0
         self._waits_revision = raster.revision
-        # By robot, how often it was met and asked this one to give way, on the same map.
-        self._in_vain: Counter[int] = Counter()
-        self._in_vain_revision = raster.revision
+        # How often each robot was met and asked this one to give way; how often this one did so.
+        self._in_vain = _Counts(raster)
+        self._gave_way = _Counts(raster)
         # When the last drive began, until what came of it is dealt with.
         self._set_out_s: float | None = None
         self._instant_goals = 0
@@ -347,17 +362,20 @@ class Progress:
 
         Moving does not make the count smaller: the two may step back and forth forever.
         """
-        if self._in_vain_revision != self._raster.revision:
-            self._in_vain, self._in_vain_revision = Counter(), self._raster.revision
-        self._in_vain[other] += 1
+        self._in_vain.by_robot[other] += 1
+
+    def note_giving_way(self, other: int) -> int:
+        """Count that this robot gives way to another; return how often it did so before.
+
+        Moving does not make the count smaller, but a new map does.
+        """
+        self._gave_way.by_robot[other] += 1
+        return self._gave_way.by_robot[other] - 1
 
     @property
     def jams(self) -> Counter[int]:
         """By robot, how often it and this one failed to let each other pass."""
-        jams = Counter(self.standstill.jams)
-        if self._in_vain_revision == self._raster.revision:
-            jams |= self._in_vain
-        return jams
+        return Counter(self.standstill.jams) | self._in_vain.by_robot
 
     @property
     def is_jammed(self) -> bool:

@@ -30,7 +30,10 @@ CELLS_PER_RADIUS = 5.0
 """Cells of the raster along the circumscribed radius of the body."""
 
 BEYOND_CELLS = 0.1
-"""Margin in cells around bodies: straight paths between cells beyond it keep off the bodies."""
+"""Margin in cells around bodies and walls: straight paths between cells beyond it keep off them."""
+
+MAX_SEARCHES = 32
+"""How many paths are looked at for one that keeps off walls that are thinner than a cell."""
 
 Wanted = Callable[[NodeId], bool]
 """Whether a node is one of those that are looked for."""
@@ -207,14 +210,18 @@ class Bypass:
         places = _places(self.map, ends) if goal is None else np.array([goal])
         if not len(begins) or not grid.has_room(places).any():
             return None
-        field = DistanceField(grid.room, grid.cell_m, places, x0=grid.x0, y0=grid.y0)
-        best = _best_start(field, spots, np.array([starts[node] for node in begins]))
-        if best is None:
-            return None
-        cells = field.descent(spots[best])
-        last = int(np.hypot(*(places - grid.places(cells[-1:])).T).argmin())
-        along = np.vstack([grid.places(cells[1:]), places[last]])
-        return Track(here, begins[best], along, ends[last] if goal is None else None)
+        before_m = np.array([starts[node] for node in begins])
+        for _ in range(MAX_SEARCHES):
+            field = DistanceField(grid.room, grid.cell_m, places, x0=grid.x0, y0=grid.y0)
+            best = _best_start(field, spots, before_m)
+            if best is None:
+                return None
+            cells = field.descent(spots[best])
+            if grid.keeps_off_walls(begins[best], cells, self.me.range_m):
+                last = int(np.hypot(*(places - grid.places(cells[-1:])).T).argmin())
+                along = np.vstack([grid.places(cells[1:]), places[last]])
+                return Track(here, begins[best], along, ends[last] if goal is None else None)
+        return None
 
     def _goes_straight(self, start: FloatArray, ends: FloatArray) -> BoolArray:
         # Whether the body gets straight from a place with room to others within sensing range.
@@ -238,6 +245,7 @@ class _Grid:
         least = body.roomy_radius_m / self.cell_m + math.sqrt(0.5)
         self.room: BoolArray = eroded(raster.cells, least)
         self._map = known
+        self._body = body
         xs, ys = raster.centres()
         for x, y, berth_m in obstacles.berths.tolist():
             reach = berth_m + BEYOND_CELLS * self.cell_m
@@ -245,6 +253,41 @@ class _Grid:
             rows = np.flatnonzero(np.abs(ys - y) < reach)
             near = np.hypot(xs[columns] - x, ys[rows, None] - y) < reach
             self.room[np.ix_(rows, columns)] &= ~near
+
+    def keeps_off_walls(self, start: NodeId, cells: IntArray, within_m: float) -> bool:
+        """Return whether a path has room exactly where it begins; if not, block where it has none.
+
+        The raster does not show walls that are thinner than a cell, nor sharp corners.
+
+        Parameters
+        ----------
+        start : NodeId
+            The node at which the path begins.
+        cells : (n, 2) array
+            Row and column of its cells.
+        within_m : float
+            How far from the node it is looked at.
+        """
+        x, y, _ = self._map[start].configuration
+        places = np.vstack([(x, y), self.places(cells)])
+        near = np.hypot(*(places - (x, y)).T) <= within_m
+        known = self._map.known_space(x, y, within_m + self._body.outer_radius_m)
+        radius_m = self._body.roomy_radius_m
+        least_m = np.full(len(places), radius_m + BEYOND_CELLS * self.cell_m)
+        least_m[0] = radius_m
+        lacks_m = (least_m - known.clearances(places, float(least_m[-1])))[near]
+        tight = lacks_m > 0.0
+        for (row, column), lack_m in zip(
+            np.vstack([cells[:1], cells])[near][tight].tolist(),
+            lacks_m[tight].tolist(),
+            strict=True,
+        ):
+            reach = int(lack_m / self.cell_m)
+            rows, columns = np.ogrid[-reach : reach + 1, -reach : reach + 1]
+            around = np.argwhere(rows**2 + columns**2 <= reach**2) - reach + (row, column)
+            inside = ((around >= 0) & (around < self.room.shape)).all(axis=1)
+            self.room[tuple(around[inside].T)] = False
+        return not tight.any()
 
     def cells(self, places: FloatArray) -> IntArray:
         """Return the row and column in which each place lies, ``(n, 2)``."""

@@ -214,13 +214,26 @@ class Planner:
             robot.homing.raise_out_of_time()
         if self._take_up_postponed():
             return (yield from self._view_or_close(here, tree))
+        return (yield from self._close_the_rest(here, tree))
+
+    def _close_the_rest(
+        self, here: NodeId, tree: NodeId
+    ) -> Generator[Action, Outcome, Found | None]:
+        # Close the arcs to whose views no path leads, or return one off the roadmap.
+        robot = self._robot
         for node in robot.map.open_nodes(tree):
             bodies = self._bodies_before(here, node)
             for arc in robot.deferred.arcs(node):
                 if bodies and not self._is_postponed(node, arc):
-                    yield from trees.defer(node, arc, bodies)
-                else:
+                    yield from robot.trees.defer(node, arc, bodies)
+                    continue
+                place = robot.views.off_the_roadmap(node, arc)
+                if place is None:
                     yield from self._close(node, arc, "not reachable")
+                    continue
+                if robot.homing is not None and robot.leaves_out(place):
+                    robot.homing.raise_out_of_time()
+                return ("bypass" if place.is_interim else "complete"), place
         return None
 
     def _arcs(self, node: NodeId) -> list[FloatArray]:

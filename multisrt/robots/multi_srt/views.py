@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Callable
+from functools import cache
 
 import numpy as np
 from shapely.geometry.base import BaseGeometry
@@ -74,9 +75,8 @@ class Views:
             Its segments x0, y0, x1, y1 in metres.
         """
         here, routes = self._bypass.at.node, self._routes
-        spot_m = self._planner.d_min_m
-        x, y, *_ = arc_points(arc, spot_m)[0]
-        spot = round(x / spot_m), round(y / spot_m)
+        x, y, *_ = arc_points(arc, self._planner.d_min_m)[0]
+        spot = self._spot(arc)
         if self._looked[spot] >= self._max_views and not self._has_shown_more(spot):
             # Not so near as it could be without the bodies, if these bar better places.
             refused = self._refused("seen from near", arc, x, y)
@@ -103,11 +103,47 @@ class Views:
         self._count(spot, not target.is_interim and not again)
         return target
 
+    def off_the_roadmap(self, node: NodeId, arc: FloatArray) -> NewPlace | None:
+        """Return what leads on to a view of an arc where no straight path from a node does.
+
+        For example, the only node that sees the arc is so narrow that the body cannot turn there.
+        The path leaves the roadmap elsewhere; see `Bypass`.
+        """
+        if self._routes.roadmap.is_car:
+            return None
+        (x, y, *_), window = arc_points(arc, self._planner.d_min_m)[0], self._windows()[-1]
+
+        @cache
+        def leads(place: tuple[float, float]) -> bool:
+            return self._bypass.first_leg(goal=place) is not None
+
+        obstacles = self._routes.obstacles
+        found = self._planner.viewing_place(
+            arc,
+            self._map.known_space(x, y, window),
+            self._me.range_m,
+            self._map.near(x, y, math.sqrt(2.0) * window),
+            lambda _, *place: leads(place),
+            obstacles.berths if obstacles else None,
+        )
+        if isinstance(found, str):
+            return None
+        target = self._bypass.to_place(found.x, found.y, node)
+        if target is not None:
+            self._count(self._spot(arc), not target.is_interim)
+        return target
+
     def forget_look(self) -> None:
         """Do not count the last place as a look: the robot stops before it, or does not go."""
         if self._last_counted is not None:
             self._looked[self._last_counted] -= 1
             self._last_counted = None
+
+    def _spot(self, arc: FloatArray) -> tuple[int, int]:
+        # The spot in which the middle of an arc lies: looks are counted by spot.
+        spot_m = self._planner.d_min_m
+        x, y, *_ = arc_points(arc, spot_m)[0]
+        return round(x / spot_m), round(y / spot_m)
 
     def _count(self, spot: tuple[int, int], counts: bool) -> None:
         if counts and not self._looked[spot]:

@@ -95,6 +95,17 @@ def test_who_makes_room_instead_of_passing_is_jammed_wherever_it_moves():
     assert progress.jams == {2: 1, 4: 1}
 
 
+def test_giving_way_is_counted_by_robot_wherever_it_moves_until_the_map_changes():
+    progress, course = progress_with()
+    assert [progress.note_giving_way(1) for _ in range(3)] == [0, 1, 2]
+    course.at = Configuration(2.0 * MOVED_M, 0.0, 0.0)
+    assert progress.note_giving_way(1) == 3
+    assert progress.note_giving_way(2) == 0
+    assert progress.jams == {}
+    learn(progress)
+    assert progress.note_giving_way(1) == 0
+
+
 def test_a_detour_is_tried_anew_from_another_place_only():
     progress, course = progress_with()
     assert not progress.has_detoured

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from multisrt.geometry.numerics.arrays import grown
+from multisrt.geometry.numerics.arrays import grown, roomier
 from multisrt.geometry.numerics.kernel import FloatArray, IntArray, kernel
 from multisrt.geometry.numerics.rings import RingArrays
 from multisrt.geometry.regions.boundary import TagArray
@@ -14,6 +14,7 @@ from multisrt.geometry.regions.frontier_arcs import (
     arc_labels,
     in_long_arcs,
     is_wide_chain,
+    open_pieces,
 )
 from multisrt.geometry.regions.frontier_update import (
     FrontierChanges,
@@ -51,7 +52,7 @@ class ArcPieces:
     [[0.0, 0.0, 1.0, 0.0]]
     """
 
-    __slots__ = ("_end", "arrays")
+    __slots__ = ("_borders_end", "_end", "arrays")
 
     def __init__(self) -> None:
         self.arrays = PieceArrays(
@@ -59,8 +60,11 @@ class ArcPieces:
             lengths_m=np.empty((0, 2)),
             pieces=np.empty((MIN_CAPACITY, 4)),
             wholes=np.empty((MIN_CAPACITY, 4)),
+            border_spans=np.zeros((0, 2), np.int64),
+            borders=np.empty((MIN_CAPACITY, 4)),
         )
         self._end = 0
+        self._borders_end = 0
 
     def make_room(self, count: int) -> None:
         """Make room for a number of regions; new ones have no pieces."""
@@ -69,6 +73,7 @@ class ArcPieces:
         self.arrays = held._replace(
             spans=grown(held.spans, count),
             lengths_m=np.concatenate([held.lengths_m, np.full((more, 2), -1.0)]),
+            border_spans=grown(held.border_spans, count),
         )
 
     def left(self, index: int) -> tuple[FloatArray, FloatArray]:
@@ -117,6 +122,7 @@ class ArcPieces:
             self._compact(end - self._end)
             owners, end = _add(*new, self.arrays, self._end)
         self._end = end
+        self._keep_borders(index, open_pieces(region.boundary, region.tags, include_gaps))
         return owners
 
     def replace(self, changes: FrontierChanges) -> None:
@@ -161,6 +167,15 @@ class ArcPieces:
             Segments x0, y0, x1, y1 in metres, in their order along the boundary.
         """
         return _wide_enough(index, near, self.arrays.spans, self.arrays.pieces, min_length_m)
+
+    def _keep_borders(self, index: int, borders: FloatArray) -> None:
+        begin, end = self._borders_end, self._borders_end + len(borders)
+        if end > len(self.arrays.borders):
+            room = grown(self.arrays.borders, roomier(len(self.arrays.borders), end))
+            self.arrays = self.arrays._replace(borders=room)
+        self.arrays.borders[begin:end] = borders
+        self.arrays.border_spans[index] = begin, end
+        self._borders_end = end
 
     def _write(self, changes: FrontierChanges, *, given_up: bool) -> None:
         if self._end + len(changes.pieces) > len(self.arrays.pieces):
@@ -236,7 +251,8 @@ def _compacted(held: PieceArrays, more: int) -> tuple[PieceArrays, int]:
             pieces[end:after], wholes[end:after] = held.pieces[first:last], held.wholes[first:last]
             spans[owner, k], spans[owner, k + 1] = end, after
             end = after
-    return PieceArrays(spans, held.lengths_m, pieces, wholes), end
+    borders = held.border_spans, held.borders
+    return PieceArrays(spans, held.lengths_m, pieces, wholes, *borders), end
 
 
 @kernel

@@ -6,7 +6,13 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from multisrt.geometry.numerics.kernel import BoolArray, FloatArray, IntArray, kernel
+from multisrt.geometry.numerics.kernel import (
+    BoolArray,
+    FloatArray,
+    IntArray,
+    inlined_kernel,
+    kernel,
+)
 from multisrt.geometry.numerics.rings import RingArrays
 from multisrt.geometry.regions.boundary import TagArray
 from multisrt.geometry.regions.frontier_arcs import MIN_ARC_M, in_long_arcs, open_pieces
@@ -41,12 +47,18 @@ class PieceArrays(NamedTuple):
         Segments x0, y0, x1, y1 in metres.
     wholes : (c, 4) array
         The segment of a region's boundary that each piece comes from.
+    border_spans : (n, 2) array of int
+        For every region first and end of its rows of `borders`.
+    borders : (b, 4) array
+        All candidates for frontier of every region, whatever is left of them.
     """
 
     spans: IntArray
     lengths_m: FloatArray
     pieces: FloatArray
     wholes: FloatArray
+    border_spans: IntArray
+    borders: FloatArray
 
 
 class FrontierChanges(NamedTuple):
@@ -83,7 +95,10 @@ def frontier_changes(
 
     The regions near by are subtracted from the new one's open boundary, and it from their
     pieces. Where several regions on one side end at one border, the one with the lowest id keeps
-    the frontier; regions on two sides of it subtract it from each other.
+    the frontier; regions on two sides of it subtract it from each other. What a region keeps of a
+    border does not depend on what others have left of theirs: with borders that are hardly apart,
+    the first and the second being one, and the second and the third, but not the first and the
+    third, it would depend on the order in which the regions are added.
 
     Parameters
     ----------
@@ -114,7 +129,7 @@ def frontier_changes(
     own_wholes = _rows(candidates, source)
     near, is_earlier = _with_pieces_near(index, neighbours, ids, rings.boxes, held)
     theirs, their_wholes, owners = _gathered(near, held)
-    shared = _rows_where(their_wholes, is_earlier[owners])
+    shared = _borders_of_earlier(index, neighbours, ids, own_wholes, held)
     if shared.shape[0] > 0:
         everywhere = np.ones(own.shape[0], np.bool_)
         rest, source = beside(own_wholes, everywhere, shared, SHARED_BORDER_M)
@@ -128,7 +143,7 @@ def frontier_changes(
     if not is_earlier.all():
         left_wholes = _rows(their_wholes, origin)
         selected = ~is_earlier[owners[origin]]
-        rest, source = beside(left_wholes, selected, own_wholes, SHARED_BORDER_M)
+        rest, source = beside(left_wholes, selected, candidates, SHARED_BORDER_M)
         left, source = intersect_pieces(left, left_wholes, rest, source)
         origin = origin[source]
     parts, is_cut = pieces_by_owner(theirs, owners, near.shape[0], left, origin)
@@ -209,25 +224,58 @@ def _with_pieces_near(
     near = np.empty_like(neighbours)
     is_earlier = np.empty(neighbours.shape[0], np.bool_)
     spans, wholes = held.spans, held.wholes
-    left, bottom = boxes[index, 0] - APART_M, boxes[index, 1] - APART_M
-    right, top = boxes[index, 2] + APART_M, boxes[index, 3] + APART_M
     count = 0
     for k in neighbours:
         for i in range(spans[k, 0], spans[k, 1]):
-            x0, y0, x1, y1 = wholes[i, 0], wholes[i, 1], wholes[i, 2], wholes[i, 3]
-            if (
-                min(x0, x1) <= right
-                and max(x0, x1) >= left
-                and min(y0, y1) <= top
-                and max(y0, y1) >= bottom
-            ):
-                near[count] = k
-                is_earlier[count] = ids[k, 0] < ids[index, 0] or (
-                    ids[k, 0] == ids[index, 0] and ids[k, 1] < ids[index, 1]
-                )
+            if _is_near(wholes, i, boxes[index]):
+                near[count], is_earlier[count] = k, _is_before(ids, k, index)
                 count += 1
                 break
     return near[:count], is_earlier[:count]
+
+
+@inlined_kernel
+def _is_near(segments: FloatArray, i: int, box: FloatArray) -> bool:
+    # Whether segment i is near a box.
+    x0, y0, x1, y1 = segments[i, 0], segments[i, 1], segments[i, 2], segments[i, 3]
+    return bool(
+        min(x0, x1) <= box[2] + APART_M
+        and max(x0, x1) >= box[0] - APART_M
+        and min(y0, y1) <= box[3] + APART_M
+        and max(y0, y1) >= box[1] - APART_M
+    )
+
+
+@kernel
+def _is_before(ids: IntArray, k: int, index: int) -> bool:
+    # Whether region k has a lower id than another one.
+    if ids[k, 0] != ids[index, 0]:
+        return bool(ids[k, 0] < ids[index, 0])
+    return bool(ids[k, 1] < ids[index, 1])
+
+
+@kernel
+def _borders_of_earlier(
+    index: int, neighbours: IntArray, ids: IntArray, segments: FloatArray, held: PieceArrays
+) -> FloatArray:
+    # The borders near segments of a region, of its neighbours with lower ids.
+    box = np.array([np.inf, np.inf, -np.inf, -np.inf])
+    for i in range(segments.shape[0]):
+        for c in range(4):
+            box[c % 2] = min(box[c % 2], segments[i, c])
+            box[2 + c % 2] = max(box[2 + c % 2], segments[i, c])
+    total = 0
+    for k in neighbours:
+        total += held.border_spans[k, 1] - held.border_spans[k, 0]
+    rows, count = np.empty(total, np.int64), 0
+    for k in neighbours:
+        if not _is_before(ids, k, index):
+            continue
+        for row in range(held.border_spans[k, 0], held.border_spans[k, 1]):
+            if _is_near(held.borders, row, box):
+                rows[count] = row
+                count += 1
+    return _rows(held.borders, rows[:count])
 
 
 @kernel

@@ -61,12 +61,12 @@ def one_by_one(subtracting, regions: Regions, index: int, held: dict[int, Pieces
     before = tuple(regions.ids[index])
     for k in range(index):
         if tuple(regions.ids[k]) < before:
-            own = subtracting.remainder(subtracting.along(held[k][1]), *own)
+            own = subtracting.remainder(subtracting.along(regions.candidates(k)), *own)
     own = without_short_arcs(*own)
     for k in range(index):
         theirs = subtracting.remainder(lambda wholes: regions.uncovered(wholes, [index]), *held[k])
         if tuple(regions.ids[k]) > before:
-            theirs = subtracting.remainder(subtracting.along(own[1]), *theirs)
+            theirs = subtracting.remainder(subtracting.along(candidates), *theirs)
         if not np.array_equal(theirs[0], held[k][0]):
             held[k] = without_short_arcs(*theirs)
     held[index] = own

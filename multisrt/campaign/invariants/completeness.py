@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Final, cast
 
 import numpy as np
@@ -113,6 +113,9 @@ def complete_is_complete(run: JudgedRun) -> Violation | None:
     an area are allowed. Nor do they with `srt-ball`: a ball hardly wider than the body has no place
     that is not near its node, and its arc is closed before other robots know the space around it.
 
+    Arcs that the robot closed as not reachable do not count if it could not reach them with what it
+    knew then: what it learns later does not open them again.
+
     Also ignored are unknown parts of less than 0.05 m2; with stars and balls, places within
     `contact_tolerance_m` of a wall; with a laser, places so close to a wall that its beams omit
     them. These are not checked: cars, whose turns are not computed here and which give up places
@@ -193,8 +196,8 @@ def _violation(name: str, robot: int, end: Ended, left: OpenFrontier) -> Violati
     )
 
 
-def known_at(run: JudgedRun, robot: int, until: Ended | None) -> list[NodeName]:
-    """Return the nodes that a robot knew when it ended; in the end of the run, with None."""
+def known_at(run: JudgedRun, robot: int, until: Ended | ArcClosed | None) -> list[NodeName]:
+    """Return the nodes that a robot knew before an event; in the end of the run, with None."""
     names: dict[NodeName, None] = {}
     for event in run.recording.events:
         if event is until:
@@ -226,26 +229,55 @@ def _left(
     obstacles : geometry, optional
         Places where its reference point cannot be.
     """
-    at = run.tracks[robot].at(np.array([at_s]))[0].tolist()
     reach = reach_of(run, robot)
-    only: BaseGeometry | None = None
-    looked = None
-    if run.family == "srt":
-        looked = _looked_from(run, robot, names)
-        own = [name for name in names if _root(run, name) == (robot, 0)]
-        # The border of all that is known, where it is that of the own tree.
-        own_border = united(run, own).boundary.buffer(SAME_BORDER_M, quad_segs=2)
-        border = united(run, names).boundary.intersection(own_border)
-        only = border.simplify(0.01).buffer(3.0 * reach.scrap_m, quad_segs=2)
-        if _gives_up_early(run, robot):
-            only = only.difference(_seen_from_near(run).buffer(3.0 * reach.scrap_m, quad_segs=2))
-    found = open_frontiers(
-        run, robot, names, reach, at, obstacles=obstacles, looked=looked, only=only
-    )
-    found = [left for left in found if left.behind_m2 >= MIN_BEHIND_M2]
-    if run.family == "srt":
-        found = [left for left in found if not _shows_hardly_more(run, robot, names, left)]
+
+    def left(only: BaseGeometry | None) -> list[OpenFrontier]:
+        looked = None if only is None else _looked_from(run, robot, names)
+        at = _place(run, robot, at_s)
+        found = open_frontiers(
+            run, robot, names, reach, at, obstacles=obstacles, looked=looked, only=only
+        )
+        return [
+            left
+            for left in found
+            if left.behind_m2 >= MIN_BEHIND_M2
+            and (only is None or not _shows_hardly_more(run, robot, names, left))
+        ]
+
+    if run.family != "srt":
+        return left(None)
+    near_m = 3.0 * reach.scrap_m
+    own = [name for name in names if _root(run, name) == (robot, 0)]
+    # The border of all that is known, where it is that of the own tree.
+    own_border = united(run, own).boundary.buffer(SAME_BORDER_M, quad_segs=2)
+    border = united(run, names).boundary.intersection(own_border)
+    only = border.simplify(0.01).buffer(near_m, quad_segs=2)
+    if _gives_up_early(run, robot):
+        seen = _closed_arcs(run.recording.of(ArcClosed), "seen from near")
+        only = only.difference(seen.buffer(near_m, quad_segs=2))
+    found = left(only)
+    if found:
+        found = left(only.difference(_was_out_of_reach(run, robot, reach, near_m)))
     return found
+
+
+def _was_out_of_reach(run: JudgedRun, robot: int, reach: Reach, near_m: float) -> BaseGeometry:
+    # The surroundings of arcs that a robot gave up as not reachable when it could not reach them.
+    around = []
+    for closed in run.recording.of(ArcClosed):
+        if closed.robot != robot or closed.reason != "not reachable":
+            continue
+        names = known_at(run, robot, closed)
+        near = _closed_arcs([closed], "not reachable").buffer(near_m, quad_segs=2)
+        at, looked = _place(run, robot, closed.time_s), _looked_from(run, robot, names)
+        if not open_frontiers(run, robot, names, reach, at, looked=looked, only=near):
+            around.append(near)
+    return shapely.union_all(around)
+
+
+def _place(run: JudgedRun, robot: int, at_s: float) -> list[float]:
+    place: list[float] = run.tracks[robot].at(np.array([at_s]))[0].tolist()
+    return place
 
 
 def reach_of(run: JudgedRun, robot: int) -> Reach:
@@ -311,8 +343,8 @@ def _bodies(run: JudgedRun, robot: int, times_s: list[float], belief_s: float) -
 
 def _is_beside_a_body(run: JudgedRun, robot: int, at_s: float) -> bool:
     # Whether a robot stands where no path may pass for the body of another one.
-    place = run.tracks[robot].at(np.array([at_s]))[0, :2]
-    return bool(_bodies(run, robot, [at_s], 0.0).covers(shapely.Point(place)))
+    place = shapely.Point(_place(run, robot, at_s)[:2])
+    return bool(_bodies(run, robot, [at_s], 0.0).covers(place))
 
 
 def _gives_up_early(run: JudgedRun, robot: int) -> bool:
@@ -337,7 +369,8 @@ def _shows_hardly_more(
     # Whether an arc was given up as seen from near, and a scan from where it is seen shows so
     # little of what is unknown that the third stage does not count it.
     d_min_m = _d_min_m(run, robot)
-    if not shapely.dwithin(_seen_from_near(run), shapely.Point(left.place), d_min_m):
+    seen = _closed_arcs(run.recording.of(ArcClosed), "seen from near")
+    if not shapely.dwithin(seen, shapely.Point(left.place), d_min_m):
         return False
     spec, (x, y) = run.recording.spec, left.stand
     range_m = spec.robots[robot].range_finder.range_m
@@ -353,14 +386,9 @@ def _shows_hardly_more(
     return bool(more.area < max(d_min_m**2, MIN_BEHIND_M2))
 
 
-def _seen_from_near(run: JudgedRun) -> BaseGeometry:
-    # The arcs that any robot gave up as seen from near.
-    segments = [
-        segment
-        for closed in run.recording.of(ArcClosed)
-        if closed.reason == "seen from near"
-        for segment in closed.arc
-    ]
+def _closed_arcs(closings: Iterable[ArcClosed], reason: str) -> BaseGeometry:
+    # The arcs that were closed for a reason.
+    segments = [s for closed in closings if closed.reason == reason for s in closed.arc]
     return shapely.MultiLineString(np.array(segments).reshape(-1, 2, 2).tolist())
 
 

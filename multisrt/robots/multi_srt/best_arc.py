@@ -41,9 +41,11 @@ STOP_EVERY_M: Final = 0.5
 MAX_RECORDED: Final = 10
 """Number of arcs that are put on record, those of the highest values."""
 
-Wanted = Callable[[NodeId], bool]
-"""Whether a node has arcs that the robot may go to."""
+ArcsOf = Callable[[NodeId], list[FloatArray]]
+"""The arcs ``(k, 4)`` of a node that the robot may go to."""
 
+Postpone = Callable[[NodeId, FloatArray], None]
+"""Leaves an arc out until nothing else is left."""
 
 ArcKey = tuple[NodeId, float, float]
 """The node of an arc, and x and y of its middle."""
@@ -78,7 +80,7 @@ class ValuedArc(NamedTuple):
 
 
 def best_arc(
-    robot: SrtRobot, wanted: Wanted, draws: Draws
+    robot: SrtRobot, arcs_of: ArcsOf, postpone: Postpone, draws: Draws
 ) -> Generator[Action, Outcome, tuple[bool, NewPlace] | None]:
     """Choose a place that sees the arc of the highest value; close arcs that no place sees.
 
@@ -86,8 +88,10 @@ def best_arc(
     ----------
     robot : SrtRobot
         The robot, at a node.
-    wanted : callable
-        Whether a node has arcs that the robot may go to.
+    arcs_of : callable
+        The arcs of a node that the robot may go to.
+    postpone : callable
+        Called for an arc to whose views no path leads.
     draws : Draws
         Filled with the arcs that were compared last.
 
@@ -100,7 +104,7 @@ def best_arc(
     """
     late: set[ArcKey] = set()
     while True:
-        ranked = valued_arcs(robot, wanted, late)
+        ranked = valued_arcs(robot, arcs_of, late)
         draws.arcs = [(a.x, a.y, a.area_m2, a.way_m, a.value) for a in ranked[:MAX_RECORDED]]
         if not ranked:
             return None
@@ -116,11 +120,13 @@ def best_arc(
             late.add((best.node, best.x, best.y))
         elif isinstance(found, Barred):
             yield from robot.trees.defer(best.node, best.arc, found.bodies)
+        elif found == "not reachable":
+            postpone(best.node, best.arc)
         else:
             yield from robot.trees.close(best.node, best.arc, found)
 
 
-def valued_arcs(robot: SrtRobot, wanted: Wanted, late: Collection[ArcKey] = ()) -> list[ValuedArc]:
+def valued_arcs(robot: SrtRobot, arcs_of: ArcsOf, late: Collection[ArcKey] = ()) -> list[ValuedArc]:
     """Return arcs with their values, the highest first; of equal ones that of the shortest way.
 
     Arcs so far away that they cannot have the highest value are left out.
@@ -129,8 +135,8 @@ def valued_arcs(robot: SrtRobot, wanted: Wanted, late: Collection[ArcKey] = ()) 
     ----------
     robot : SrtRobot
         The robot, at a node.
-    wanted : callable
-        Whether a node has arcs to be valued.
+    arcs_of : callable
+        The arcs of a node that are valued.
     late : collection of ArcKey
         Arcs that are left out, as the robot has no time for the place that sees them.
 
@@ -146,10 +152,8 @@ def valued_arcs(robot: SrtRobot, wanted: Wanted, late: Collection[ArcKey] = ()) 
     for node, to_node_m, turn in _ways(robot):
         if most_m2 * (to_node_m + NEAREST_M) ** -options.power < best:
             break
-        if not wanted(node):
-            continue
         place = robot.map[node].configuration
-        for arc in robot.deferred.arcs(node):
+        for arc in arcs_of(node):
             x, y, *_ = arc_points(arc, range_m)[0]
             if (node, x, y) in late:
                 continue

@@ -79,7 +79,7 @@ class Planner:
         if robot.homing is not None:
             robot.homing.has_left_out = False
         if robot.options.choice == "gain":
-            best = yield from best_arc(robot, self._may_go_to, draws)
+            best = yield from best_arc(robot, self._arcs_to_go_to, self._postpone, draws)
             if best is None:
                 return (yield from self._complete(here))
             return ("bypass" if best[0] else "gain"), best[1]
@@ -235,6 +235,9 @@ class Planner:
                     robot.homing.raise_out_of_time()
                 return ("bypass" if place.is_interim else "complete"), place
         return None
+
+    def _arcs_to_go_to(self, node: NodeId) -> list[FloatArray]:
+        return self._arcs(node) if self._may_go_to(node) else []
 
     def _arcs(self, node: NodeId) -> list[FloatArray]:
         # The arcs of a node that no body bars and that are not postponed.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from functools import cache
 
 import numpy as np
@@ -74,9 +74,8 @@ class Views:
         arc : (k, 4) array
             Its segments x0, y0, x1, y1 in metres.
         """
-        here, routes = self._bypass.at.node, self._routes
+        here, spot = self._bypass.at.node, self._spot(arc)
         x, y, *_ = arc_points(arc, self._planner.d_min_m)[0]
-        spot = self._spot(arc)
         if self._looked[spot] >= self._max_views and not self._has_shown_more(spot):
             # Not so near as it could be without the bodies, if these bar better places.
             refused = self._refused("seen from near", arc, x, y)
@@ -84,24 +83,38 @@ class Views:
                 del self._looked[spot]
             return refused
         found = self._view(arc, x, y)
-        if isinstance(found, str) and routes.obstacles:
+        if isinstance(found, str) and self._routes.obstacles:
             found = self._view(arc, x, y, past_bodies=True)
         if isinstance(found, str):
             return self._refused(found, arc, x, y)
-        place, start = found
-        route = routes.route(here, start)
-        last = np.array([[*self._map[start].configuration[:2], place.x, place.y]])
+        target = self._leading_to(node, *found) or self._from_joined(node, arc, found[1])
+        if target is None:
+            return self._barred("not reachable", found)
         # A robot that had to wait may choose the same again: it has not looked meanwhile.
         again = self._last_choice == (spot, here)
         self._last_choice = spot, here
-        if route is not None and routes.obstacles.are_passed_by(last)[0]:
-            self._count(spot, not again)
-            return NewPlace(place.x, place.y, "complete", tuple(route), place.roomy, node)
-        target = self._bypass.to_place(place.x, place.y, node)
-        if target is None:
-            return self._barred("not reachable", found)
         self._count(spot, not target.is_interim and not again)
         return target
+
+    def _leading_to(self, node: NodeId, place: ViewingPlace, start: NodeId) -> NewPlace | None:
+        # What leads on to a place over the roadmap and straight from a node; or off the roadmap.
+        routes = self._routes
+        route = routes.route(self._bypass.at.node, start)
+        last = np.array([[*self._map[start].configuration[:2], place.x, place.y]])
+        if route is not None and routes.obstacles.are_passed_by(last)[0]:
+            return NewPlace(place.x, place.y, "complete", tuple(route), place.roomy, node)
+        return self._bypass.to_place(place.x, place.y, node)
+
+    def _from_joined(self, node: NodeId, arc: FloatArray, start: NodeId) -> NewPlace | None:
+        # What leads to another place than that straight from a node, if the roadmap does not lead
+        # to that node: straight from one to which it leads.
+        roadmap = self._routes.roadmap.graph
+        joined = roadmap.lengths([self._bypass.at.node], self._routes.is_passable)
+        if start in joined:
+            return None
+        x, y, *_ = arc_points(arc, self._planner.d_min_m)[0]
+        found = self._view(arc, x, y, among=joined)
+        return None if isinstance(found, str) else self._leading_to(node, *found)
 
     def off_the_roadmap(self, node: NodeId, arc: FloatArray) -> NewPlace | None:
         """Return what leads on to a view of an arc where no straight path from a node does.
@@ -165,13 +178,22 @@ class Views:
         return float(self._map.local_union(x, y, SPOTS_AROUND * spot_m).area)
 
     def _view(
-        self, arc: FloatArray, x: float, y: float, *, past_bodies: bool = False
+        self,
+        arc: FloatArray,
+        x: float,
+        y: float,
+        *,
+        past_bodies: bool = False,
+        among: Collection[NodeId] | None = None,
     ) -> tuple[ViewingPlace, NodeId] | Refusal:
-        # A place that sees an arc around x, y, and the node from which it is reached.
+        # A place that sees an arc around x, y, and the node, of some or all, from which it is
+        # reached.
         obstacles = self._routes.obstacles
         refusal: Refusal = "too narrow"
         for window in self._windows():
             near = self._map.near(x, y, math.sqrt(2.0) * window)
+            if among is not None:
+                near = [node for node in near if node.id in among]
             if window < self._me.range_m and not self._planner.may_find_path(x, y, window, near):
                 continue
             found = self._planner.viewing_place(

@@ -92,8 +92,12 @@ def room(left: float, right: float, sides: str = "lr") -> tuple[Box, str]:
     return (left, -2.0, right, 2.0), sides
 
 
+def never(node: NodeId, arc: np.ndarray) -> None:
+    pytest.fail(f"an arc of {node} is postponed")
+
+
 def values(robot) -> list[tuple[float, float]]:
-    return [(arc.x, arc.value) for arc in valued_arcs(robot, lambda node: True)]
+    return [(arc.x, arc.value) for arc in valued_arcs(robot, robot.deferred.arcs)]
 
 
 def outcome_of(steps: Generator[Any, Any, Any]) -> Any:
@@ -105,7 +109,8 @@ def outcome_of(steps: Generator[Any, Any, Any]) -> Any:
 
 
 def test_the_value_is_the_area_over_a_power_of_the_way(robot_at):
-    (arc,) = valued_arcs(robot_at(room(-4, 3, "r")), lambda node: True)
+    robot = robot_at(room(-4, 3, "r"))
+    (arc,) = valued_arcs(robot, robot.deferred.arcs)
     # Half a disc lies beyond the middle, 3 m away, after a turn by a right angle.
     way_m = 3.0 + 0.3 * UP
     assert arc.area_m2 == pytest.approx(HALF_DISC_M2)
@@ -158,7 +163,7 @@ def test_robots_with_equal_knowledge_value_arcs_alike(robot_at):
 
 def test_the_way_to_another_node_leads_over_the_roadmap(robot_at):
     robot = robot_at(room(-2, 2, ""), ((1.0, -2.0, 5.0, 2.0), "r"))
-    (arc,) = valued_arcs(robot, lambda node: True)
+    (arc,) = valued_arcs(robot, robot.deferred.arcs)
     # Over the node in the middle of the second rectangle, at x = 3.
     assert arc.node == NodeId(0, 1)
     assert arc.way_m == pytest.approx(5.0 + 0.3 * UP)
@@ -166,16 +171,29 @@ def test_the_way_to_another_node_leads_over_the_roadmap(robot_at):
 
 def test_the_robot_goes_to_where_it_sees_the_best_arc(robot_at):
     robot, draws = robot_at(room(-4, 3), stop_share=1.0), Draws()
-    is_interim, place = outcome_of(best_arc(robot, robot.trees.may_extend, draws))
+    is_interim, place = outcome_of(best_arc(robot, robot.deferred.arcs, never, draws))
     assert not is_interim
     assert 2.0 < place.x < 3.0
     assert place.route == (NodeId(0, 0),)
     assert [arc[0] for arc in draws.arcs] == [3.0, -4.0]
 
 
+def test_arcs_to_whose_views_no_path_leads_are_postponed(robot_at, monkeypatch):
+    robot, postponed = robot_at(room(-4, 3)), []
+
+    def arcs_of(node: NodeId) -> list[np.ndarray]:
+        return robot.deferred.arcs(node)[len(postponed) :]
+
+    monkeypatch.setattr(type(robot.views), "viewing_place", lambda *_: "not reachable")
+    steps = best_arc(robot, arcs_of, lambda node, arc: postponed.append((node, arc)), Draws())
+    assert outcome_of(steps) is None
+    assert [node for node, _ in postponed] == [NodeId(0, 0)] * 2
+    assert robot.map.closings == ()
+
+
 def test_nodes_that_are_not_wanted_are_left_out(robot_at):
     robot, draws = robot_at(room(-4, 3)), Draws()
-    assert outcome_of(best_arc(robot, lambda node: False, draws)) is None
+    assert outcome_of(best_arc(robot, lambda node: [], never, draws)) is None
     assert draws.arcs == []
 
 
@@ -214,7 +232,7 @@ def test_a_stop_on_the_way_does_not_count_as_a_look(robot_at):
     for _ in range(3):
         # As if the robot had stood elsewhere in between, so that each would count.
         robot.views._last_choice = None
-        assert outcome_of(best_arc(robot, robot.trees.may_extend, Draws())) is not None
+        assert outcome_of(best_arc(robot, robot.deferred.arcs, never, Draws())) is not None
     assert robot.map.has_frontier(NodeId(0, 0))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from pathlib import Path
 from typing import Final
 
@@ -76,6 +77,26 @@ def folder_name(number: int, invariant: str) -> str:
     '000123-no-collision'
     """
     return f"{number:06d}-{invariant}"
+
+
+def free_folder(folder: Path, number: int, invariant: str) -> Path:
+    """Return a folder for a failure that is not there yet: nothing is overwritten.
+
+    Parameters
+    ----------
+    folder : Path
+        The folder that it is to be in.
+    number, invariant
+        As for `folder_name`.
+
+    Examples
+    --------
+    >>> free_folder(Path("none-failures"), 123, "no-collision").as_posix()
+    'none-failures/000123-no-collision'
+    """
+    name = folder_name(number, invariant)
+    names = itertools.chain([name], (f"{name}-{again}" for again in itertools.count(2)))
+    return next(folder / name for name in names if not (folder / name).exists())
 
 
 def write_failure(folder: Path, failure: Failure, spec: RunSpec, drawn: RunSpec) -> None:

@@ -61,9 +61,13 @@ class Answer(msgspec.Struct, frozen=True, kw_only=True, tag="verdict"):
     ----------
     verdict : Verdict
         What is judged.
+    unwritten : str
+        Why its recording and replay could not be written; empty if they were, or were not asked
+        for.
     """
 
     verdict: Verdict
+    unwritten: str = ""
 
 
 ANSWERS = msgspec.json.Decoder(Trying | Answer)

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
 from pathlib import Path
-from typing import Final
+from typing import Final, NamedTuple
 
 import msgspec
 
-from multisrt.campaign.failure import Failure, folder_name, write_failure
+from multisrt.campaign.failure import SPEC_NAME, Failure, free_folder, write_failure
 from multisrt.campaign.jobs import Judge, Make
 from multisrt.campaign.mission import Verdict
 from multisrt.campaign.mission_process import HANG_S, HANGS, MissionProcess
 from multisrt.campaign.shrinking import MAX_TRIES, Shrunk, shrink
 from multisrt.campaign.violations import Violation
+from multisrt.geometry.errors import InvalidInputError
 from multisrt.spec import RunSpec
 
 EQUAL_DIGEST: Final = "equal-digest"
@@ -64,6 +65,21 @@ class Mission(msgspec.Struct, frozen=True, kw_only=True):
     folders: tuple[str, ...] = ()
 
 
+class Found(NamedTuple):
+    """What a mission violates, as long as its failures are not shrunk.
+
+    Attributes
+    ----------
+    number : int
+        Number of the mission.
+    violations : tuple of Violation
+        The invariants that it violates.
+    """
+
+    number: int
+    violations: tuple[Violation, ...]
+
+
 class Lane:
     """Makes missions of a campaign in one process, and repeats some in another.
 
@@ -97,7 +113,7 @@ class Lane:
         self._process.stop()
         self._other.stop()
 
-    def make(self, number: int) -> Mission:
+    def make(self, number: int) -> Iterator[Found | Mission]:
         """Make a mission, and leave a folder for each invariant that it violates.
 
         Parameters
@@ -105,8 +121,10 @@ class Lane:
         number : int
             Its number.
 
-        Returns
-        -------
+        Yields
+        ------
+        Found
+            The invariants that it violates, if any, before its failures are shrunk.
         Mission
             The mission.
 
@@ -114,16 +132,21 @@ class Lane:
         ------
         StoppedError
             If `stop` is called meanwhile.
+        InvalidInputError
+            If a failure cannot be written.
         """
         verdict, tried = self._process.ask(Make(seed=self._seed, number=number))
         if tried is None or tried.spec is None:  # it failed in drawing, as in building a world
-            return Mission(number=number, verdict=verdict, folders=("",) * len(verdict.violations))
+            yield Mission(number=number, verdict=verdict, folders=("",) * len(verdict.violations))
+            return
         spec = tried.spec
         repeated = bool(verdict.violations) or number % REPEATED_EVERY == 0
         if repeated:
             verdict = compared(spec, verdict, self._other)
+        if verdict.violations:
+            yield Found(number, verdict.violations)
         folders = [self._failure(number, spec, verdict, found) for found in verdict.violations]
-        return Mission(
+        yield Mission(
             number=number,
             spec=spec,
             refused=tried.refused,
@@ -153,7 +176,7 @@ class Lane:
         shrunk = Shrunk(drawn, found, 0)
         if self._quota(found.invariant, drawn.strategy):
             shrunk = self._shrunk(drawn, found)
-        folder = self._folder / folder_name(number, found.invariant)
+        folder = free_folder(self._folder, number, found.invariant)
         failure = Failure(
             seed=self._seed,
             number=number,
@@ -209,7 +232,7 @@ def compared(spec: RunSpec, verdict: Verdict, other: MissionProcess) -> Verdict:
 
 
 def replayed(spec: RunSpec, folder: Path, violation: Violation) -> Sequence[Violation]:
-    """Run the spec of a failure again, and write its recording and its replay.
+    """Run the spec of a failure again; if it still fails, write its recording and its replay.
 
     Parameters
     ----------
@@ -225,10 +248,18 @@ def replayed(spec: RunSpec, folder: Path, violation: Violation) -> Sequence[Viol
     -------
     sequence of Violation
         The invariants that it violates now.
+
+    Raises
+    ------
+    InvalidInputError
+        If the program refuses the spec, or the recording or the replay cannot be written.
     """
-    with closing(MissionProcess(HERE)) as process:
-        verdict = process.ask(Judge(spec=spec, folder=str(folder.resolve()))).verdict
-    if violation.invariant == EQUAL_DIGEST:
-        with closing(MissionProcess(ELSEWHERE)) as other:
+    with closing(MissionProcess(HERE)) as process, closing(MissionProcess(ELSEWHERE)) as other:
+        verdict = process.ask(Judge(spec=spec)).verdict
+        if verdict.outcome == "refused":
+            raise InvalidInputError(f"{folder / SPEC_NAME}: {verdict.reason}")
+        if violation.invariant == EQUAL_DIGEST:
             verdict = compared(spec, verdict, other)
+        if verdict.violations and verdict.outcome != "lost":
+            process.ask(Judge(spec=spec, folder=str(folder.resolve())))
     return verdict.violations

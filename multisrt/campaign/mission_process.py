@@ -24,6 +24,7 @@ from multisrt.campaign.violations import Violation
 from multisrt.experiments.import_path import python_command
 from multisrt.experiments.threads import StoppedError
 from multisrt.experiments.worker import THREADS, how_it_ended, place_in
+from multisrt.geometry.errors import InvalidInputError
 
 PROGRAM: Final = "multisrt.campaign.mission_program"
 
@@ -32,6 +33,9 @@ HANGS: Final = "hangs"
 
 HANG_S: Final = 120.0
 """Time within which a process answers a job (s)."""
+
+COMPILATION_S: Final = 600.0
+"""Added to the time of the first answer, as kernels may have to be compiled (s)."""
 
 LAST_WORDS_S: Final = 1.0
 """Time for which a process that hangs may write where it is, before it is killed (s)."""
@@ -72,6 +76,7 @@ class MissionProcess:
         self._popen: subprocess.Popen[bytes] | None = None
         self._rest = b""
         self._jobs = 0
+        self._has_answered = False
         self._stopped = threading.Event()
 
     def ask(self, job: Job, limit_s: float = HANG_S) -> Told:
@@ -85,7 +90,7 @@ class MissionProcess:
         job : Make or Judge
             The job.
         limit_s : float
-            Time for each of both, in seconds.
+            Time for each of both, in seconds, without that for compiling kernels.
 
         Returns
         -------
@@ -96,6 +101,8 @@ class MissionProcess:
         ------
         StoppedError
             If `stop` is called before the answer.
+        InvalidInputError
+            If the recording or the replay cannot be written.
         """
         first = self._ask(job, limit_s)
         if first.verdict.outcome not in ("lost", OVER_MEMORY):
@@ -126,15 +133,19 @@ class MissionProcess:
         popen = self._started()
         assert popen.stdin is not None
         tried: Trying | None = None
-        end_s = time.monotonic() + limit_s
+        end_s = time.monotonic() + limit_s + (0.0 if self._has_answered else COMPILATION_S)
         try:
             popen.stdin.write(msgspec.json.encode(job) + b"\n")
             popen.stdin.flush()
             while True:
                 answer = self._hear(popen, end_s)
                 if isinstance(answer, Answer):
-                    return Told(answer.verdict, tried)
+                    break
                 tried = answer
+            self._has_answered = True
+            if answer.unwritten:
+                raise InvalidInputError(answer.unwritten)
+            return Told(answer.verdict, tried)
         except TimeoutError:
             invariant, says = HANGS, f"not done after {limit_s:g} s{self._place(popen)}"
         except OSError:

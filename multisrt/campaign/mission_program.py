@@ -21,10 +21,11 @@ import msgspec
 
 from multisrt.campaign.failure import RECORDING_NAME, REPLAY_NAME
 from multisrt.campaign.jobs import Answer, Job, Make, Trying
-from multisrt.campaign.mission import Verdict, judge_recorded, make
+from multisrt.campaign.mission import judge_recorded, make
 from multisrt.experiments.import_path import extend_path
 from multisrt.experiments.memory import MemoryTrimmer
 from multisrt.experiments.pipes import own_pipes, queue_lines, write_line
+from multisrt.geometry.errors import InvalidInputError, reason_of
 from multisrt.recording import Recording
 from multisrt.spec import RunSpec
 
@@ -47,21 +48,24 @@ def main(arguments: Sequence[str]) -> None:
     decoder = msgspec.json.Decoder(Job)
     trimmer = MemoryTrimmer()
     while True:
-        write_line(answers, Answer(verdict=_verdict(decoder.decode(lines.get()), answers)))
+        write_line(answers, _answer(decoder.decode(lines.get()), answers))
         trimmer.tidy()
 
 
-def _verdict(job: Job, answers: IO[bytes]) -> Verdict:
+def _answer(job: Job, answers: IO[bytes]) -> Answer:
     if isinstance(job, Make):
 
         def trying(spec: RunSpec | None, refused: int) -> None:
             write_line(answers, Trying(spec=spec, refused=refused))
 
-        return make(job.seed, job.number, trying)
+        return Answer(verdict=make(job.seed, job.number, trying))
     verdict, recording = judge_recorded(job.spec)
     if job.folder and recording is not None:
-        _keep(recording, Path(job.folder))
-    return verdict
+        try:
+            _keep(recording, Path(job.folder))
+        except (InvalidInputError, OSError) as error:
+            return Answer(verdict=verdict, unwritten=reason_of(error))
+    return Answer(verdict=verdict)
 
 
 def _keep(recording: Recording, folder: Path) -> None:

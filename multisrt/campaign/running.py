@@ -11,7 +11,7 @@ from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 
-from multisrt.campaign.lane import Lane, Mission
+from multisrt.campaign.lane import Found, Lane, Mission
 from multisrt.campaign.store import CampaignStore, row_of
 from multisrt.experiments.threads import Shared, from_threads
 from multisrt.geometry.errors import InvalidInputError
@@ -33,8 +33,9 @@ class Progress:
         Number of missions that this call made, and of those of them that failed.
     elapsed_s : float
         Elapsed time of this call (s).
-    latest : Mission or None
-        The mission that was stored last; None at the beginning.
+    latest : Mission, Found or None
+        The mission that was stored last, or what one violates whose failures are to be shrunk;
+        None at the beginning.
     """
 
     done: int
@@ -42,11 +43,11 @@ class Progress:
     made: int
     failed: int
     elapsed_s: float
-    latest: Mission | None
+    latest: Mission | Found | None
 
 
 Watch = Callable[[Progress], None]
-"""Called at the beginning and after every mission, in the caller's thread."""
+"""Called at the beginning, after every mission, and when one fails, in the caller's thread."""
 
 
 def run_campaign(
@@ -82,7 +83,7 @@ def run_campaign(
     stop_at_first : bool
         Whether to end with the first mission that fails; if one has failed already, none is made.
     progress : callable, optional
-        Called with the `Progress` at the beginning and after every mission.
+        Called with the `Progress` at the beginning, after every mission, and when one fails.
 
     Raises
     ------
@@ -103,7 +104,7 @@ def run_campaign(
     lanes = [Lane(store.seed, where, quota.takes) for _ in range(workers)]
     done, made, failed = len(there), 0, 0
 
-    def tell(latest: Mission | None) -> None:
+    def tell(latest: Mission | Found | None) -> None:
         if progress is not None:
             elapsed_s = time.monotonic() - begin_s
             progress(
@@ -122,6 +123,9 @@ def run_campaign(
         return
     with closing(_made(lanes, numbers)) as missions_made:
         for mission in missions_made:
+            if isinstance(mission, Found):
+                tell(mission)
+                continue
             store.add(row_of(mission))
             done, made = done + 1, made + 1
             failed += bool(mission.verdict.violations)
@@ -166,14 +170,14 @@ class _Quota:
             return True
 
 
-def _made(lanes: list[Lane], numbers: Iterator[int]) -> Generator[Mission, None, None]:
+def _made(lanes: list[Lane], numbers: Iterator[int]) -> Generator[Found | Mission, None, None]:
     """Yield missions as they are judged; a thread for each lane makes one after another."""
     waiting = Shared(numbers)
 
-    def made_by(lane: Lane) -> Iterator[Mission]:
+    def made_by(lane: Lane) -> Iterator[Found | Mission]:
         try:
             for number in waiting:
-                yield lane.make(number)
+                yield from lane.make(number)
         finally:
             lane.close()
 

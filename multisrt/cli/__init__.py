@@ -104,6 +104,10 @@ def main() -> None:
             fail(f"error: {usage_message(error)}", error.exit_code)
         except MultiSrtError as error:
             fail(f"error: {error}", BAD_INPUT)
+        except ImportError:
+            if not terminations.is_interrupted:
+                raise
+            fail("interrupted", INTERRUPTED)
         except (click.exceptions.Abort, KeyboardInterrupt, OSError) as error:
             # An OSError if the terminal was closed to which the interrupted command writes.
             if (signal := terminations.received) is not None:

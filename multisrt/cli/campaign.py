@@ -15,9 +15,10 @@ from multisrt.cli.mistakes import CommandGroup
 from multisrt.cli.output_options import quiet_option
 
 if TYPE_CHECKING:
-    from multisrt.campaign.lane import Mission
+    from multisrt.campaign.lane import Found, Mission
     from multisrt.campaign.running import Progress
     from multisrt.campaign.store import Row
+    from multisrt.campaign.violations import Violation
 
 VIOLATED = 1
 """Exit code if an invariant does not hold."""
@@ -163,15 +164,24 @@ def run(
 
 
 def _watch(update: Callable[..., None], tell: Callable[[str], None]) -> Callable[[Progress], None]:
+    from multisrt.campaign.lane import Found
     from multisrt.experiments.live import duration
 
+    shrinking: set[int] = set()
+
     def watch(now: Progress) -> None:
+        if isinstance(now.latest, Found):
+            shrinking.add(now.latest.number)
+        elif now.latest is not None:
+            shrinking.discard(now.latest.number)
         parts = [f"{now.failed} failed"] if now.failed else []
         if now.made:
             parts.append(f"{now.made / now.elapsed_s * 3600.0:,.0f} an hour".replace(",", " "))
             if now.total is not None and now.total > now.done:
                 left_s = (now.total - now.done) * now.elapsed_s / now.made
                 parts.append(f"{duration(left_s)} left")
+        if shrinking:
+            parts.append(f"shrinks mission {', '.join(map(str, sorted(shrinking)))}")
         update(total=now.total, completed=now.done, note=", ".join(parts) or "starting")
         for line in [] if now.latest is None else _failures(now.latest):
             tell(line)
@@ -179,14 +189,35 @@ def _watch(update: Callable[..., None], tell: Callable[[str], None]) -> Callable
     return watch
 
 
-def _failures(mission: Mission) -> Iterable[str]:
-    for violation, folder in zip(mission.verdict.violations, mission.folders, strict=True):
-        yield _line(mission.number, violation.invariant, violation.says, folder)
+def _failures(latest: Mission | Found) -> Iterable[str]:
+    # What a mission violates when it is found; then the folder of each failure.
+    from multisrt.campaign.lane import Found
+
+    if isinstance(latest, Found):
+        for violation in latest.violations:
+            yield _line(latest.number, violation.invariant, violation.says, "")
+        return
+    for violation, folder in zip(latest.verdict.violations, latest.folders, strict=True):
+        if folder:
+            yield f"mission {latest.number}: {_command(folder)}"
+        else:  # it was not drawn: there is nothing to shrink
+            yield _line(latest.number, violation.invariant, violation.says, "")
 
 
 def _line(number: int, invariant: str, says: str, folder: str) -> str:
-    command = f"; multisrt campaign replay {shlex.quote(folder)}" if folder else ""
-    return f"mission {number}: {invariant}: {says}{command}"
+    return f"mission {number}: {invariant}: {says}" + (f"; {_command(folder)}" if folder else "")
+
+
+def _command(folder: str) -> str:
+    return f"multisrt campaign replay {shlex.quote(folder)}"
+
+
+def _found_again(store: Path, folder: str) -> str:
+    # The folder of a failure: beside its store, which may have been moved, or where it was made.
+    from multisrt.campaign.running import failures_of
+
+    places = (failures_of(store) / Path(folder).name, Path(folder)) if folder else ()
+    return next((str(place) for place in places if place.is_dir()), "")
 
 
 def _show_table(rows: Iterable[Row]) -> int:
@@ -253,12 +284,14 @@ def show(store: Path, number: int | None) -> None:
                     f"{store} was made by another version of this program, which drew other "
                     "missions; those that failed are in the folders beside it"
                 )
+            if number not in opened.done():
+                click.echo(f"mission {number} is not in {store}: not executed yet", err=True)
             click.echo(draw(opened.seed, number).to_toml(), nl=False)
             return
         rows = list(opened.rows())
     _show_table(rows)
     failures = [
-        _line(row.number, violation.invariant, violation.says, folder)
+        _line(row.number, violation.invariant, violation.says, _found_again(store, folder))
         for row in rows
         for violation, folder in zip(row.violations, row.folders, strict=True)
     ]
@@ -266,6 +299,15 @@ def show(store: Path, number: int | None) -> None:
         click.echo(line)
     if len(failures) > MAX_FAILURES:
         click.echo(f"... and {len(failures) - MAX_FAILURES} more")
+
+
+def _moment(violations: Iterable[Violation]) -> str:
+    # The part of a link at which a replay opens at the first violation that has a time.
+    for violation in violations:
+        if violation.time_s is not None:
+            robot = "" if violation.robot is None else f"&robot={violation.robot}"
+            return f"#t={violation.time_s:.2f}{robot}"
+    return ""
 
 
 @campaign.command()
@@ -290,8 +332,8 @@ def invariants() -> None:
 def replay(failure: Path) -> None:
     """Repeat a failure, and report whether it still fails.
 
-    FAILURE is a folder that 'multisrt campaign run' wrote. Its recording and its replay are
-    rewritten; nothing is opened.
+    FAILURE is a folder that 'multisrt campaign run' wrote. If it still fails, its recording and its
+    replay are rewritten; nothing is opened.
 
     \b
     Examples:
@@ -327,6 +369,6 @@ def replay(failure: Path) -> None:
     if not violations:
         click.echo("does not fail any more")
     if (page := folder / REPLAY_NAME).is_file():
-        click.echo(page)
+        click.echo(f"{page}{_moment(violations)}")
     if violations:
         raise SystemExit(VIOLATED)

@@ -42,10 +42,14 @@ class Terminations:
     ----------
     received : signal.Signals or None
         The signal that came first.
+    is_interrupted : bool
+        Whether there was an interrupt from the keyboard. At an import, an extension module may turn
+        the KeyboardInterrupt into an ImportError.
     """
 
     def __init__(self) -> None:
         self.received: signal.Signals | None = None
+        self.is_interrupted = False
         self._received_s = 0.0
         self._handled: list[signal.Signals] = []
 
@@ -55,6 +59,8 @@ class Terminations:
                 if signal.getsignal(number) is signal.SIG_DFL:
                     signal.signal(number, self._interrupt)
                     self._handled.append(number)
+            if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+                signal.signal(signal.SIGINT, self._note_interrupt)
         return self
 
     def __exit__(
@@ -65,6 +71,12 @@ class Terminations:
     ) -> None:
         for number in self._handled:
             signal.signal(number, signal.SIG_DFL)
+        if signal.getsignal(signal.SIGINT) == self._note_interrupt:
+            signal.signal(signal.SIGINT, signal.default_int_handler)
+
+    def _note_interrupt(self, number: int, frame: FrameType | None) -> None:
+        self.is_interrupted = True
+        signal.default_int_handler(number, frame)
 
     def _interrupt(self, number: int, _frame: FrameType | None) -> None:
         now_s = time.monotonic()

@@ -1,5 +1,7 @@
 """Missions in processes of their own."""
 
+from contextlib import closing
+
 import msgspec
 import pytest
 
@@ -8,12 +10,13 @@ from multisrt.campaign import mission_process
 from multisrt.campaign.draws import draw
 from multisrt.campaign.failure import read_failure
 from multisrt.campaign.jobs import Judge, Make, Trying
-from multisrt.campaign.lane import EQUAL_DIGEST, Lane, compared, replayed
+from multisrt.campaign.lane import EQUAL_DIGEST, Found, Lane, compared, replayed
 from multisrt.campaign.mission import Verdict, judge
 from multisrt.campaign.mission_process import MissionProcess, Told
 from multisrt.campaign.store import NOT_DRAWN, row_of
 from multisrt.campaign.violations import Violation
 from multisrt.experiments.threads import StoppedError
+from multisrt.geometry.errors import InvalidInputError
 from multisrt.recording import Recording
 from multisrt.spec import CatalogEnvironment, RobotSpec, RunSpec, StopRule
 
@@ -54,7 +57,7 @@ def fake(monkeypatch):
 def test_a_lane_makes_the_missions_that_are_drawn(tmp_path):
     lane = Lane(3, tmp_path, lambda invariant, strategy: True)
     try:
-        missions = [lane.make(number) for number in (1, 20)]
+        missions = [mission for number in (1, 20) for mission in lane.make(number)]
     finally:
         lane.close()
     assert [mission.spec for mission in missions] == [draw(3, 1), draw(3, 20)]
@@ -67,6 +70,7 @@ def test_a_lane_makes_the_missions_that_are_drawn(tmp_path):
 
 @pytest.mark.slow
 def test_a_run_that_hangs_and_one_that_takes_its_process_down(monkeypatch):
+    monkeypatch.setattr(mission_process, "COMPILATION_S", 0.0)
     process = MissionProcess(1)
     try:
         hung = process.ask(Judge(spec=SPEC), limit_s=0.05).verdict
@@ -98,8 +102,24 @@ def test_what_the_machine_may_have_done_is_tried_again(monkeypatch, outcome, ask
 def test_recording_and_replay_of_a_failure_are_left(tmp_path):
     found = Violation(invariant="planted", says="it broke")
     assert replayed(SPEC, tmp_path, found) == ()
-    assert Recording.load(tmp_path / "recording.jsonl").spec == SPEC.canonical()
-    assert "<html" in (tmp_path / "replay.html").read_text()[:200]
+    assert not list(tmp_path.iterdir())  # it does not fail
+    with closing(MissionProcess(1)) as process:
+        process.ask(Judge(spec=SPEC, folder=str(tmp_path)))
+        assert Recording.load(tmp_path / "recording.jsonl").spec == SPEC.canonical()
+        assert "<html" in (tmp_path / "replay.html").read_text()[:200]
+        (tmp_path / "recording.jsonl").unlink()
+        (tmp_path / "recording.jsonl").mkdir()
+        with pytest.raises(InvalidInputError, match=r"recording\.jsonl"):
+            process.ask(Judge(spec=SPEC, folder=str(tmp_path)))
+        assert process.ask(Judge(spec=SPEC)).verdict.digest
+
+
+@pytest.mark.slow
+def test_a_spec_that_the_program_refuses_is_no_longer_a_failure_that_is_mended(tmp_path):
+    found = Violation(invariant="planted", says="it broke")
+    spec = msgspec.structs.replace(SPEC, strategy="utilty")
+    with pytest.raises(InvalidInputError, match=r"spec\.toml: .*did you mean 'utility'"):
+        replayed(spec, tmp_path, found)
 
 
 def test_a_stopped_process_makes_nothing_more():
@@ -110,22 +130,24 @@ def test_a_stopped_process_makes_nothing_more():
 
 
 def test_a_failure_is_shrunk_and_left_in_its_folder(tmp_path, fake):
-    mission = Lane(3, tmp_path, lambda invariant, strategy: True).make(17)
+    found, mission = Lane(3, tmp_path, lambda invariant, strategy: True).make(17)
+    assert found == Found(17, mission.verdict.violations)
     assert mission.folders == (str(tmp_path / "000017-planted"),)
     assert (mission.spec, mission.refused) == (fake.drawn, 2)
     failure, spec = read_failure(tmp_path / "000017-planted")
     assert (failure.says, failure.number, failure.digest) == ("2 robots", 17, "same")
     assert failure.tries > 3
     assert spec.robots == (RobotSpec(),) * 2
-    as_drawn = Lane(3, tmp_path / "more", lambda invariant, strategy: False).make(17)
-    failure, spec = read_failure(tmp_path / "more" / "000017-planted")
+    _, as_drawn = Lane(3, tmp_path, lambda invariant, strategy: False).make(17)
+    assert as_drawn.folders == (str(tmp_path / "000017-planted-2"),)  # nothing is overwritten
+    failure, spec = read_failure(tmp_path / "000017-planted-2")
     assert (failure.says, failure.tries, spec) == ("4 robots", 0, fake.drawn)
     assert as_drawn.verdict == mission.verdict
 
 
 def test_a_mission_that_is_lost_before_it_is_drawn_is_told(tmp_path, fake, monkeypatch):
     monkeypatch.setattr(fake, "tried", Trying(spec=None, refused=4))
-    mission = Lane(3, tmp_path, lambda invariant, strategy: True).make(17)
+    (mission,) = Lane(3, tmp_path, lambda invariant, strategy: True).make(17)
     assert (mission.spec, mission.folders) == (None, ("",))
     assert row_of(mission).strategy == NOT_DRAWN
     assert not list(tmp_path.iterdir())

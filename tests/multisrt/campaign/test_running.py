@@ -34,11 +34,12 @@ class FakeLane:
             raise StoppedError
         FakeLane.made.append(number)
         if number % 10 != 3:
-            return mission_of(number, Verdict(outcome="complete"))
+            yield mission_of(number, Verdict(outcome="complete"))
+            return
         FakeLane.shrunk.append(self.quota("planted", "minpos"))
         broke = Violation(invariant="planted", says="it broke")
         verdict = Verdict(outcome="complete", violations=(broke,))
-        return mission_of(number, verdict, folders=(str(self.folder / str(number)),))
+        yield mission_of(number, verdict, folders=(str(self.folder / str(number)),))
 
     def close(self):
         """Let go of nothing."""
@@ -122,7 +123,7 @@ def test_what_a_lane_raises_is_raised_and_the_others_stop(path, monkeypatch):
     def breaks(lane, number):
         if number == 4:
             raise InvalidInputError("the disk is full")
-        return mission_of(number)
+        yield mission_of(number)
 
     monkeypatch.setattr(FakeLane, "make", breaks)
     with CampaignStore.create_or_open(path) as store:

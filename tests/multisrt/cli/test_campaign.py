@@ -25,9 +25,11 @@ class FakeLane:
     def make(self, number):
         """Make a mission."""
         if number != 2:
-            return mission_of(number, Verdict(outcome="out_of_time", digest="ab"))
+            yield mission_of(number, Verdict(outcome="out_of_time", digest="ab"))
+            return
         folder = str(self.folder / "000002-ends")
-        return mission_of(
+        yield lane.Found(number, (BROKE,))
+        yield mission_of(
             number, Verdict(outcome="complete", violations=(BROKE,)), folders=(folder,)
         )
 
@@ -54,10 +56,11 @@ def test_a_campaign_prints_failures_and_a_table(call, folder):
     code, out, err = call("run", "--missions", "5", "--seed", "7")
     assert (code, err) == (1, "")
     lines = [line for line in out.splitlines() if line.strip()]
-    assert lines[0] == (
-        "mission 2: ends: it broke; multisrt campaign replay campaign-failures/000002-ends"
-    )
-    assert lines[1].split() == [
+    assert lines[:2] == [
+        "mission 2: ends: it broke",
+        "mission 2: multisrt campaign replay campaign-failures/000002-ends",
+    ]
+    assert lines[2].split() == [
         "strategy", "missions", "out_of_time", "complete", "s", "(median)", "ends",
     ]  # fmt: skip
     assert ["minpos", "5", "4", "1", "0.00", "1"] in [line.split() for line in lines]
@@ -116,7 +119,7 @@ def test_an_interrupted_campaign_says_what_is_stored(call, monkeypatch):
     def made(lane, number):
         if number == 3:
             raise KeyboardInterrupt
-        return mission_of(number, Verdict(outcome="complete"))
+        yield mission_of(number, Verdict(outcome="complete"))
 
     monkeypatch.setattr(FakeLane, "make", made)
     code, _, err = call("run", "--missions", "9")
@@ -124,19 +127,31 @@ def test_an_interrupted_campaign_says_what_is_stored(call, monkeypatch):
     assert "3 missions are stored in campaign.sqlite; the same command continues" in err
 
 
-def test_a_campaign_is_shown(call):
+def test_a_campaign_is_shown_wherever_it_is_moved(call, folder):
     call("run", "--missions", "4", "--seed", "5", "--store", "x.sqlite")
     code, out, _ = call("show", "x.sqlite")
     assert code == 0
     assert "4 missions, 1 of them failed" in out
-    assert out.splitlines()[-1].startswith("mission 2: ends: it broke; multisrt campaign replay")
+    assert out.splitlines()[-1] == "mission 2: ends: it broke"  # there is no folder
+    (folder / "x-failures" / "000002-ends").mkdir(parents=True)
+    command = "multisrt campaign replay x-failures/000002-ends"
+    assert call("show", "x.sqlite")[1].splitlines()[-1] == f"mission 2: ends: it broke; {command}"
+    (folder / "there").mkdir()
+    for name in ("x.sqlite", "x-failures"):
+        (folder / name).rename(folder / "there" / name)
+    shown = call("show", "there/x.sqlite")[1].splitlines()[-1]
+    assert (
+        shown == "mission 2: ends: it broke; multisrt campaign replay there/x-failures/000002-ends"
+    )
 
 
 def test_the_spec_of_a_mission_is_printed(call):
     call("run", "--missions", "1", "--seed", "5", "--store", "x.sqlite")
-    code, out, _ = call("show", "x.sqlite", "--number", "3")
+    code, out, err = call("show", "x.sqlite", "--number", "3")
     assert code == 0
     assert RunSpec.from_toml(out) == draw(5, 3)
+    assert err == "mission 3 is not in x.sqlite: not executed yet\n"
+    assert call("show", "x.sqlite", "--number", "0")[2] == ""
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from multisrt.campaign import mission_process
 from multisrt.campaign.draws import draw
 from multisrt.campaign.failure import read_failure
 from multisrt.campaign.jobs import Judge, Make, Trying
-from multisrt.campaign.lane import EQUAL_DIGEST, Found, Lane, compared, replayed
+from multisrt.campaign.lane import EQUAL_DIGEST, Found, Lane, Mission, compared, replayed
 from multisrt.campaign.mission import Verdict, judge
 from multisrt.campaign.mission_process import MissionProcess, Told
 from multisrt.campaign.store import NOT_DRAWN, row_of
@@ -53,11 +53,18 @@ def fake(monkeypatch):
     return FakeProcess
 
 
+def made_by(lane: Lane, number: int) -> tuple[list[Found], Mission]:
+    """What a lane tells of a mission before it is made, and the mission."""
+    *told, mission = lane.make(number)
+    assert isinstance(mission, Mission)
+    return [found for found in told if isinstance(found, Found)], mission
+
+
 @pytest.mark.slow
 def test_a_lane_makes_the_missions_that_are_drawn(tmp_path):
     lane = Lane(3, tmp_path, lambda invariant, strategy: True)
     try:
-        missions = [mission for number in (1, 20) for mission in lane.make(number)]
+        missions = [made_by(lane, number)[1] for number in (1, 20)]
     finally:
         lane.close()
     assert [mission.spec for mission in missions] == [draw(3, 1), draw(3, 20)]
@@ -130,15 +137,15 @@ def test_a_stopped_process_makes_nothing_more():
 
 
 def test_a_failure_is_shrunk_and_left_in_its_folder(tmp_path, fake):
-    found, mission = Lane(3, tmp_path, lambda invariant, strategy: True).make(17)
-    assert found == Found(17, mission.verdict.violations)
+    found, mission = made_by(Lane(3, tmp_path, lambda invariant, strategy: True), 17)
+    assert found == [Found(17, mission.verdict.violations)]
     assert mission.folders == (str(tmp_path / "000017-planted"),)
     assert (mission.spec, mission.refused) == (fake.drawn, 2)
     failure, spec = read_failure(tmp_path / "000017-planted")
     assert (failure.says, failure.number, failure.digest) == ("2 robots", 17, "same")
     assert failure.tries > 3
     assert spec.robots == (RobotSpec(),) * 2
-    _, as_drawn = Lane(3, tmp_path, lambda invariant, strategy: False).make(17)
+    _, as_drawn = made_by(Lane(3, tmp_path, lambda invariant, strategy: False), 17)
     assert as_drawn.folders == (str(tmp_path / "000017-planted-2"),)  # nothing is overwritten
     failure, spec = read_failure(tmp_path / "000017-planted-2")
     assert (failure.says, failure.tries, spec) == ("4 robots", 0, fake.drawn)
@@ -147,7 +154,8 @@ def test_a_failure_is_shrunk_and_left_in_its_folder(tmp_path, fake):
 
 def test_a_mission_that_is_lost_before_it_is_drawn_is_told(tmp_path, fake, monkeypatch):
     monkeypatch.setattr(fake, "tried", Trying(spec=None, refused=4))
-    (mission,) = Lane(3, tmp_path, lambda invariant, strategy: True).make(17)
+    found, mission = made_by(Lane(3, tmp_path, lambda invariant, strategy: True), 17)
+    assert found == []
     assert (mission.spec, mission.folders) == (None, ("",))
     assert row_of(mission).strategy == NOT_DRAWN
     assert not list(tmp_path.iterdir())

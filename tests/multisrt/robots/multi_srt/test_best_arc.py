@@ -179,7 +179,8 @@ def test_the_robot_goes_to_where_it_sees_the_best_arc(robot_at):
 
 
 def test_arcs_to_whose_views_no_path_leads_are_postponed(robot_at, monkeypatch):
-    robot, postponed = robot_at(room(-4, 3)), []
+    robot = robot_at(room(-4, 3))
+    postponed: list[tuple[NodeId, np.ndarray]] = []
 
     def arcs_of(node: NodeId) -> list[np.ndarray]:
         return robot.deferred.arcs(node)[len(postponed) :]

@@ -78,6 +78,21 @@ MUTANTS: Final = (
         new="return [(receiver, 0.0) for receiver in receivers], []",
     ),
     Mutant(
+        name="latency-doubled",
+        breaks="Messages take twice their time where neither loss nor jitter is drawn.",
+        file="simulation/radio.py",
+        old="return [(receiver, self._spec.latency_s) for receiver in receivers], []",
+        new="return [(receiver, 2.0 * self._spec.latency_s) for receiver in receivers], []",
+    ),
+    Mutant(
+        name="sees-through-walls",
+        breaks="Robots see each other through walls, and at any distance.",
+        file="simulation/traffic.py",
+        old="self._distance_to_point(other, there, x, y) <= range_m and line_of_sight(",
+        new="self._distance_to_point(other, there, x, y) <= range_m or line_of_sight(",
+        unfound="recordings do not contain which robots a robot sees",
+    ),
+    Mutant(
         name="one-relay-only",
         breaks="A message is relayed once, and not over several hops.",
         file="simulation/radio.py",

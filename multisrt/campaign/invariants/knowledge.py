@@ -44,7 +44,8 @@ def knowledge_by_scan_or_message(run: JudgedRun) -> Violation | None:
     learned, or named in arcs, in decisions and as a parent, only after a message to the robot from
     one that knew the node when it sent the message, and only after the latency. The receiver's
     radio must have worked when the message arrived. The same holds for robots named in groups,
-    orders and tables of goals. The base station learns from messages of the robot that it names.
+    orders and tables of goals. The base station learns from messages of the robot that it names,
+    at the moment at which they arrive: within the jitter after the latency.
 
     Recordings do not contain the contents of messages, so any message may have contained all that
     its sender knew.
@@ -179,10 +180,15 @@ class _Knowledge:
                 return True
         return False
 
+    def _is_late(self, sent_s: float, time_s: float) -> bool:
+        # Whether a message should have come before a time.
+        return time_s > sent_s + self._latency_s + self._jitter_s + ROUNDING_S
+
     def _may_hear(self, member: int, sent_s: float, until_s: float) -> bool:
-        # Whether the radio worked at any time at which a message can have come.
+        # Whether the radio worked at any time at which a message can have come. The base station
+        # takes it at that very moment, as it does nothing else.
         if member == self._base:
-            return True
+            return not self._is_late(sent_s, until_s)
         begin_s = sent_s + self._latency_s
         last_s = min(begin_s + self._jitter_s, until_s) + ROUNDING_S
         on_s, dead_s = self._run.present_s(member)

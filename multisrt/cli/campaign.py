@@ -166,6 +166,7 @@ def run(
 def _watch(update: Callable[..., None], tell: Callable[[str], None]) -> Callable[[Progress], None]:
     from multisrt.campaign.lane import Found
     from multisrt.experiments.live import duration
+    from multisrt.geometry.errors import counted
 
     shrinking: set[int] = set()
 
@@ -174,7 +175,9 @@ def _watch(update: Callable[..., None], tell: Callable[[str], None]) -> Callable
             shrinking.add(now.latest.number)
         elif now.latest is not None:
             shrinking.discard(now.latest.number)
-        parts = [f"{now.failed} failed"] if now.failed else []
+        parts = [counted(now.done, "mission")] if now.total is None else []
+        if now.failed:
+            parts.append(f"{now.failed} failed")
         if now.made:
             parts.append(f"{now.made / now.elapsed_s * 3600.0:,.0f} an hour".replace(",", " "))
             if now.total is not None and now.total > now.done:

@@ -413,7 +413,8 @@ def test_damaged_files_are_named(tmp_path, content):
 def test_a_cut_file_is_told_in_plain_words(tmp_path):
     path = tmp_path / "plan.dxf"
     outlined()[0].saveas(path)
-    path.write_bytes(path.read_bytes()[:3000])
+    # Of whole pairs of lines: the length of what is before depends on the time and on ids.
+    path.write_bytes(b"".join(path.read_bytes().splitlines(keepends=True)[:560]))
     with pytest.raises(MapFormatError, match=r"damaged DXF file: it ends too early, .*copy it"):
         read_environment(path)
 

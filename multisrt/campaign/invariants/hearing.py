@@ -56,7 +56,7 @@ def hearers_learn(run: JudgedRun) -> Violation | None:
                     invariant=NAME,
                     says=f"{who} heard at {time_s:.2f} s from robot {sender}, which knew node "
                     f"{name[1]} of robot {name[0]}, but never learns of it",
-                    robot=sender,
+                    robot=sender if hearer == len(run.robots) else hearer,
                     time_s=time_s,
                 )
     return None

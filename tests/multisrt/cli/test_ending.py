@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from multisrt import cli
 from multisrt.cli import ending
 from multisrt.cli.ending import TERMINATIONS, Terminations
 from tests.multisrt.cli.test_process import ROOT, process
@@ -43,6 +44,27 @@ def test_a_signal_interrupts_once(number: signal.Signals, monkeypatch):
         with pytest.raises(KeyboardInterrupt):
             signal.raise_signal(number)
     assert signal.getsignal(number) is signal.SIG_DFL
+
+
+@pytest.mark.parametrize("is_interrupted", [True, False])
+def test_an_interrupted_import_is_an_interrupt(monkeypatch, capsys, is_interrupted):
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+
+    def imports(*_given: object, **_more: object) -> None:
+        if is_interrupted:
+            with contextlib.suppress(KeyboardInterrupt):
+                signal.raise_signal(signal.SIGINT)
+        raise ImportError("numpy._core.multiarray failed to import")
+
+    monkeypatch.setattr(cli.cli, "main", imports)
+    try:
+        with pytest.raises(SystemExit if is_interrupted else ImportError) as ended:
+            cli.main()
+        assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert ("interrupted" in capsys.readouterr().err) is is_interrupted
+    assert not is_interrupted or ended.value.code == 130  # type: ignore[attr-defined]
 
 
 def test_an_ignored_signal_stays_ignored():

@@ -238,10 +238,10 @@ def _left(
             run, robot, names, reach, at, obstacles=obstacles, looked=looked, only=only
         )
         return [
-            left
-            for left in found
-            if left.behind_m2 >= MIN_BEHIND_M2
-            and (only is None or not _shows_hardly_more(run, robot, names, left))
+            one
+            for one in found
+            if one.behind_m2 >= MIN_BEHIND_M2
+            and (only is None or not _shows_hardly_more(run, robot, names, one))
         ]
 
     if run.family != "srt":

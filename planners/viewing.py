@@ -12,7 +12,7 @@ import numpy as np
 from multisrt.geometry.bodies.clearance import paths_keep_clear
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.numerics.arrays import FloatArray
-from multisrt.geometry.numerics.distances import nearest_points
+from multisrt.geometry.numerics.distances import inside, nearest_points
 from multisrt.geometry.regions.known_space import KnownSpace
 from multisrt.geometry.regions.safe_region import LocalSafeRegion
 from multisrt.planners.motion.body import PlanningBody
@@ -232,6 +232,9 @@ class PlaceFinder:
     def _leaves_a_narrow_node(self, node: Viewpoint, x: float, y: float) -> bool:
         assert not isinstance(self.kinematics, Car)
         boundary, at = node.region.boundary, node.configuration
+        # Most places lie outside what the node sees, which takes far less time to find.
+        if not inside(boundary, x, y):
+            return False
         return steer(self.body, self.kinematics, boundary, at, x, y) is not None
 
 

@@ -27,7 +27,7 @@ REPEATED_EVERY: Final = 20
 HERE, ELSEWHERE = 1, 2
 """Seeds of the order of sets in processes that make missions, and in those that repeat them."""
 
-HANG_SHRINK_S: Final = 40.0
+HANG_SHRINK_S: Final = 120.0
 """Time limit of the runs by which a hanging one is shrunk (s)."""
 
 HANG_TRIES: Final = 8

@@ -31,7 +31,7 @@ PROGRAM: Final = "multisrt.campaign.mission_program"
 HANGS: Final = "hangs"
 """Name of the invariant that a mission ends within `HANG_S`, whatever it does."""
 
-HANG_S: Final = 120.0
+HANG_S: Final = 600.0
 """Time within which a process answers a job (s)."""
 
 COMPILATION_S: Final = 600.0

@@ -84,38 +84,18 @@ class Roadmap(Generic[Place]):
 
         Notes
         -----
-        Dijkstra's algorithm, stopped at the first destination: the cost depends on its distance,
-        not on the size of the roadmap. Of equally near places the one connected first wins.
+        The search of `nearest_first`, stopped at the first destination. Of equally near places
+        the one connected first wins.
         """
-        places, xs, ys, first = self._places, self._xs, self._ys, self._numbers[start]
-        came_from: dict[int, int] = {}
-        distance = {first: 0.0}
-        settled: set[int] = set()
-        order = 0
-        queue: list[tuple[float, int, int]] = [(0.0, order, first)]
-        while queue:
-            travelled, _, number = heapq.heappop(queue)
-            if number in settled:
-                continue
-            settled.add(number)
-            place = places[number]
+        came_from: dict[Place, Place] = {}
+        for place, _, before in self.nearest_first({start: 0.0}, passable):
+            if before is not None:
+                came_from[place] = before
             if wanted(place):
-                path = [number]
-                while path[-1] != first:
+                path = [place]
+                while path[-1] != start:
                     path.append(came_from[path[-1]])
-                return [places[k] for k in reversed(path)]
-            x, y = xs[number], ys[number]
-            for neighbour in self._neighbours[number]:
-                if neighbour in settled:
-                    continue
-                reach = travelled + math.hypot(xs[neighbour] - x, ys[neighbour] - y)
-                if reach < distance.get(neighbour, math.inf) and (
-                    passable is None or passable(place, places[neighbour])
-                ):
-                    distance[neighbour] = reach
-                    came_from[neighbour] = number
-                    order += 1
-                    heapq.heappush(queue, (reach, order, neighbour))
+                return path[::-1]
         return None
 
     def path(
@@ -220,7 +200,9 @@ class Roadmap(Generic[Place]):
 
         Notes
         -----
-        Dijkstra's algorithm, which goes on only as far as places are asked for.
+        Dijkstra's algorithm, which goes on only as far as places are asked for: the cost depends
+        on their distance, not on the size of the roadmap. Whether an edge is free is asked only
+        when it would be the last of a shortest path.
 
         Examples
         --------
@@ -239,18 +221,26 @@ class Roadmap(Generic[Place]):
         heapq.heapify(queue)
         order = len(queue)
         settled: set[int] = set()
+        shortest: dict[int, float] = {}
         while queue:
             length, _, number, last = heapq.heappop(queue)
             if number in settled:
                 continue
-            settled.add(number)
             place = places[number]
-            yield place, length, None if last == none else places[last]
+            before = None if last == none else places[last]
+            if before is not None and passable is not None and not passable(before, place):
+                continue
+            settled.add(number)
+            yield place, length, before
             x, y = xs[number], ys[number]
             for neighbour in self._neighbours[number]:
-                if neighbour not in settled and (
-                    passable is None or passable(place, places[neighbour])
-                ):
-                    order += 1
-                    reach = length + math.hypot(xs[neighbour] - x, ys[neighbour] - y)
-                    heapq.heappush(queue, (reach, order, neighbour, number))
+                if neighbour in settled:
+                    continue
+                reach = length + math.hypot(xs[neighbour] - x, ys[neighbour] - y)
+                # A longer path is of use only where the edge of the shortest may not be free.
+                if passable is None:
+                    if reach >= shortest.get(neighbour, math.inf):
+                        continue
+                    shortest[neighbour] = reach
+                order += 1
+                heapq.heappush(queue, (reach, order, neighbour, number))

@@ -183,7 +183,7 @@ def _ways(robot: SrtRobot) -> Iterator[tuple[NodeId, float, float | None]]:
     robot.roadmap.extend()
     here = robot.at.node
     turns: dict[NodeId, float | None] = {}
-    ways = robot.roadmap.graph.nearest_first({here: 0.0}, robot.routes.is_passable)
+    ways = robot.roadmap.graph.nearest_first({here: 0.0}, robot.routes.passable)
     for node, length_m, before in ways:
         if before is None:
             turns[node] = None

@@ -202,9 +202,9 @@ class Bypass:
             return None
         routes.roadmap.extend()
         grid, roadmap = _Grid(self.body, self.map, routes.obstacles), routes.roadmap.graph
-        starts = roadmap.lengths([here], routes.is_passable)
+        starts = roadmap.lengths([here], routes.passable)
         begins = grid.with_room([*starts])
-        beyond = roadmap.lengths(looked_for, routes.is_passable)
+        beyond = roadmap.lengths(looked_for, routes.passable)
         ends = grid.with_room([node for node in beyond if node not in starts])
         spots = grid.cells(_places(self.map, begins))
         places = _places(self.map, ends) if goal is None else np.array([goal])

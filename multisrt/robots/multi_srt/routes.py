@@ -13,7 +13,7 @@ from multisrt.robots.exploration_map import ExplorationMap
 from multisrt.robots.explorer import Sighting
 from multisrt.robots.knowledge import NodeId
 from multisrt.robots.multi_srt.obstacles import Obstacles
-from multisrt.robots.multi_srt.roadmap import SrtRoadmap
+from multisrt.robots.multi_srt.roadmap import Passable, SrtRoadmap
 from multisrt.robots.multi_srt.whereabouts import Whereabouts
 
 Place = tuple[float, float]
@@ -48,11 +48,11 @@ class Routes:
         own = self.roadmap.me.robot
         if start.robot != own or end.robot != own:
             self.roadmap.extend()
-        return self.roadmap.path(start, end, self.is_passable)
+        return self.roadmap.path(start, end, self.passable)
 
     def to_nearest(self, start: NodeId, wanted: Callable[[NodeId], bool]) -> list[NodeId] | None:
         """Return the route to the nearest wanted node of the roadmap, or None."""
-        return self.roadmap.to_nearest(start, wanted, self.is_passable)
+        return self.roadmap.to_nearest(start, wanted, self.passable)
 
     def length_m(self, route: list[NodeId]) -> float:
         """Return the length of a route in metres."""
@@ -64,6 +64,11 @@ class Routes:
         places = [self.map[node].configuration[:2] for node in route]
         places += [places[-1] if beyond is None else beyond]
         return self.obstacles.on(np.hstack([places[:-1], places[1:]]))
+
+    @property
+    def passable(self) -> Passable | None:
+        """Whether no body blocks an edge, as `is_passable`; None where no body stands anywhere."""
+        return self.is_passable if self.obstacles else None
 
     def is_passable(self, a: NodeId, b: NodeId) -> bool:
         """Whether no body blocks the straight path between two nodes."""

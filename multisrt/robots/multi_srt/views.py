@@ -109,7 +109,7 @@ class Views:
         # What leads to another place than that straight from a node, if the roadmap does not lead
         # to that node: straight from one to which it leads.
         roadmap = self._routes.roadmap.graph
-        joined = roadmap.lengths([self._bypass.at.node], self._routes.is_passable)
+        joined = roadmap.lengths([self._bypass.at.node], self._routes.passable)
         if start in joined:
             return None
         x, y, *_ = arc_points(arc, self._planner.d_min_m)[0]

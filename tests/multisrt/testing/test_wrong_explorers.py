@@ -329,9 +329,12 @@ def _compiled():
 
 def checked(name):
     """Check a wrong explorer within the budget, and return what is said of it."""
+    # A busy machine may keep any other from its first action for a second.
+    max_decision_s = 0.3 if "computed for 0.3 s" in TOLD.get(name, "") else 10.0
     began_s = time.process_time()
     try:
-        return check_explorer(getattr(wrong, name), max_decision_s=0.3, max_time_s=2000.0)
+        explorer = getattr(wrong, name)
+        return check_explorer(explorer, max_decision_s=max_decision_s, max_time_s=2000.0)
     finally:
         assert time.process_time() - began_s < MAX_SECONDS
 

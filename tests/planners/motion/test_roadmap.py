@@ -100,6 +100,26 @@ def test_search_ends_at_the_first_wanted_place():
     assert asked == [0, 1, 2, 3]
 
 
+def test_an_edge_is_asked_about_only_where_it_ends_a_shortest_path():
+    places = range(10)
+    complete: Roadmap[int] = Roadmap()
+    for place in places:
+        complete.add(place, math.cos(place), math.sin(place))
+    for a in places:
+        for b in range(a):
+            complete.connect(a, b)
+    asked = []
+
+    def passable(a: int, b: int) -> bool:
+        asked.append((a, b))
+        return a != 0 or b != 1
+
+    lengths = complete.lengths([0], passable)
+    assert len(lengths) == 10
+    assert len(asked) == 10  # the ways straight to all, and that around to place 1
+    assert lengths[1] > math.dist((1.0, 0.0), (math.cos(1), math.sin(1)))
+
+
 def graphs(most: int) -> st.SearchStrategy[Graph]:
     """Return draws of places in the plane, and pairs of them."""
     spot = st.tuples(st.integers(-9, 9), st.integers(-9, 9))

@@ -143,9 +143,11 @@ def row_crossings(
         if ay > by:
             ax, bx, ay, by = bx, ax, by, ay
         slope = (bx - ax) / (by - ay)
+        left, right = min(ax, bx), max(ax, bx)
         for r in range(spans[i, 0], spans[i, 1] + 1):
             k = fill[r - first_row]
-            crossings[k] = ax + (y0 + (r + 0.5) * cell - ay) * slope
+            # Rounding would carry it far beyond the ends of an edge almost along the line.
+            crossings[k] = min(max(ax + (y0 + (r + 0.5) * cell - ay) * slope, left), right)
             fill[r - first_row] += 1
     for r in range(height):
         low, high = starts[r], starts[r + 1]

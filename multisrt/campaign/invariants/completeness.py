@@ -95,10 +95,11 @@ def complete_is_complete(run: JudgedRun) -> Violation | None:
     stand; that place is connected to the place of the robot by known places away from walls. A
     contiguous visible frontier must be no longer than the rules of the strategy may leave:
 
-    - bidding: `min_frontier_m` (the body's width by default) and four cells. The body stands three
-      cells from it, because goals are cells at the frontier; paths keep 1.5 cells from the unknown
-      area, and two cells and the margin from walls; unknown parts that contain no disc with the
-      radius of a cell are ignored;
+    - bidding: `min_frontier_m` (the body's width by default), counted in cells, of which a diagonal
+      line has fewer by the square root of two; and four cells. The body stands three cells from it,
+      because goals are cells at the frontier; paths keep 1.5 cells from the unknown area, and two
+      cells and the margin from walls; unknown parts that contain no disc with the radius of a cell
+      are ignored;
     - SRT: the body's width and 0.1 m, within the range, or with `srt-ball` within the ball at the
       place. The body keeps its margin and 0.02 m from walls and from the unknown area. Only the
       frontier of the robot's own tree counts, because other trees are left to their robots: the
@@ -308,7 +309,8 @@ def reach_of(run: JudgedRun, robot: int) -> Reach:
         scrap_m=cell_m,
         blind_m=blind_m and blind_m + cell_m,
         sees_m=min(3.0 * cell_m, finder.range_m),
-        least_m=(width_m if least_m is None else least_m) + CELLS_BEYOND * cell_m,
+        least_m=math.sqrt(2.0) * (width_m if least_m is None else least_m)
+        + CELLS_BEYOND * cell_m,
     )
 
 

@@ -29,7 +29,8 @@ class FrontierOptions(PursuitOptions, frozen=True, kw_only=True, forbid_unknown_
     sense_period_s : float
         Time between two scans that are added to the map while driving, in seconds.
     min_frontier_m : float or None
-        Groups of frontier cells that are shorter than this are dropped; None: the body's width.
+        Groups of frontier cells that are shorter than this, as many times `cell_m` as they have
+        cells, are dropped; None: the body's width.
     replan : {"news", "target", "arrival"}
         When a goal is chosen again: whenever the map has changed; when the last one is reached or
         nothing is left to be seen there; or only when it is reached, or another robot sends a stop

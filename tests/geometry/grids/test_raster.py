@@ -1,5 +1,8 @@
 """Rasters: every cell right, whatever the window and its growth."""
 
+import itertools
+import math
+
 import numpy as np
 import pytest
 import shapely
@@ -67,6 +70,21 @@ def test_polygons_that_share_a_border_paint_each_cell_once():
     cells[:] = False
     counts = [paint_polygon(p, 0.0, 0.0, 1.0, cells) for p in (below, above)]
     assert sum(counts) == 24
+
+
+def test_an_edge_almost_along_a_row_of_centres_paints_nothing_outside():
+    # Its ends lie above and below the centres by no more than rounding.
+    y0, cell = -0.09741538717342381, 0.1
+    centre = y0 + 74.5 * cell
+    for below, above in itertools.product(range(-4, 5), repeat=2):
+        left, right = (centre + k * math.ulp(centre) for k in (below, above))
+        polygon = np.array([[4.6, left], [10.8, right], [12.4, 7.8], [4.6, 7.8]])
+        cells = np.zeros((80, 200), np.bool_)
+        paint_polygon(polygon, 0.0, y0, cell, cells)
+        assert not cells[:74].any()
+        assert not cells[74, :46].any()
+        assert not cells[74, 108:].any()
+        assert cells[75, 46:108].all()
 
 
 def test_only_new_cells_are_counted(worlds):

@@ -7,7 +7,6 @@ import numpy as np
 from multisrt.geometry.numerics.arrays import grown, roomier
 from multisrt.geometry.numerics.kernel import FloatArray, IntArray, kernel
 from multisrt.geometry.numerics.rings import RingArrays
-from multisrt.geometry.regions.boundary import TagArray
 from multisrt.geometry.regions.frontier_arcs import (
     MIN_ARC_M,
     arc_ends,
@@ -108,7 +107,9 @@ class ArcPieces:
             The new region.
         region : LocalSafeRegion
             Its boundary and tags.
-        include_gaps, neighbours, ids, rings
+        include_gaps : bool
+            Whether radial pieces behind corners are frontier.
+        neighbours, ids, rings
             As for `frontier_changes`.
 
         Returns
@@ -116,13 +117,14 @@ class ArcPieces:
         (c,) array of int
             The regions whose pieces changed, the new one first.
         """
-        new = index, region.boundary, region.tags, include_gaps, neighbours, ids, rings
+        border = open_pieces(region.boundary, region.tags, include_gaps)
+        new = index, border, neighbours, ids, rings
         owners, end = _add(*new, self.arrays, self._end)
         if end > len(self.arrays.pieces):
             self._compact(end - self._end)
             owners, end = _add(*new, self.arrays, self._end)
         self._end = end
-        self._keep_borders(index, open_pieces(region.boundary, region.tags, include_gaps))
+        self._keep_borders(index, border)
         return owners
 
     def replace(self, changes: FrontierChanges) -> None:
@@ -190,9 +192,7 @@ class ArcPieces:
 @kernel
 def _add(
     index: int,
-    boundary: FloatArray,
-    tags: TagArray,
-    include_gaps: bool,
+    border: FloatArray,
     neighbours: IntArray,
     ids: IntArray,
     rings: RingArrays,
@@ -201,7 +201,7 @@ def _add(
 ) -> tuple[IntArray, int]:
     # Compute the changes and write them behind row `end`. Return whose pieces change, and the
     # row behind the last; if there is no room up to it, nothing was written.
-    changes = frontier_changes(index, boundary, tags, include_gaps, neighbours, ids, rings, held)
+    changes = frontier_changes(index, border, neighbours, ids, rings, held)
     if end + changes.pieces.shape[0] > held.pieces.shape[0]:
         return changes.owners, end + changes.pieces.shape[0]
     return changes.owners, _write(changes, False, held, end)

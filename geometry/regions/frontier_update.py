@@ -14,8 +14,7 @@ from multisrt.geometry.numerics.kernel import (
     kernel,
 )
 from multisrt.geometry.numerics.rings import RingArrays
-from multisrt.geometry.regions.boundary import TagArray
-from multisrt.geometry.regions.frontier_arcs import MIN_ARC_M, in_long_arcs, open_pieces
+from multisrt.geometry.regions.frontier_arcs import MIN_ARC_M, in_long_arcs
 from multisrt.geometry.regions.segment_difference import (
     OUTWARD_M,
     beside,
@@ -83,9 +82,7 @@ class FrontierChanges(NamedTuple):
 @kernel
 def frontier_changes(
     index: int,
-    boundary: FloatArray,
-    tags: TagArray,
-    include_gaps: bool,
+    border: FloatArray,
     neighbours: IntArray,
     ids: IntArray,
     rings: RingArrays,
@@ -104,12 +101,8 @@ def frontier_changes(
     ----------
     index : int
         The new region.
-    boundary : (n, 2) array
-        Its corners in metres, counter-clockwise.
-    tags : (n,) array of int8
-        Tags of its boundary.
-    include_gaps : bool
-        Whether radial pieces behind corners are frontier.
+    border : (p, 4) array
+        Its candidates for frontier, x0, y0, x1, y1 in metres, counter-clockwise.
     neighbours : (k,) array of int
         The regions near by, without the new one.
     ids : (m, 2) array of int
@@ -124,9 +117,8 @@ def frontier_changes(
     FrontierChanges
         Of the new region first, then of the neighbours that lose something, in their order.
     """
-    candidates = open_pieces(boundary, tags, include_gaps)
-    own, source = uncovered(candidates, rings, neighbours)
-    own_wholes = _rows(candidates, source)
+    own, source = uncovered(border, rings, neighbours)
+    own_wholes = _rows(border, source)
     near, is_earlier = _with_pieces_near(index, neighbours, ids, rings.boxes, held)
     theirs, their_wholes, owners = _gathered(near, held)
     shared = _borders_of_earlier(index, neighbours, ids, own_wholes, held)
@@ -143,7 +135,7 @@ def frontier_changes(
     if not is_earlier.all():
         left_wholes = _rows(their_wholes, origin)
         selected = ~is_earlier[owners[origin]]
-        rest, source = beside(left_wholes, selected, candidates, SHARED_BORDER_M)
+        rest, source = beside(left_wholes, selected, border, SHARED_BORDER_M)
         left, source = intersect_pieces(left, left_wholes, rest, source)
         origin = origin[source]
     parts, is_cut = pieces_by_owner(theirs, owners, near.shape[0], left, origin)

@@ -309,8 +309,7 @@ def reach_of(run: JudgedRun, robot: int) -> Reach:
         scrap_m=cell_m,
         blind_m=blind_m and blind_m + cell_m,
         sees_m=min(3.0 * cell_m, finder.range_m),
-        least_m=math.sqrt(2.0) * (width_m if least_m is None else least_m)
-        + CELLS_BEYOND * cell_m,
+        least_m=math.sqrt(2.0) * (width_m if least_m is None else least_m) + CELLS_BEYOND * cell_m,
     )
 
 

@@ -33,6 +33,9 @@ SLACK: Final = 1.5
 SLACK_S: Final = 30.0
 """Time besides, for the messages and short pauses between waits, in seconds."""
 
+STUCK_S: Final = 5.0
+"""Time without progress by the nearness diagram after which a robot follows its path (s)."""
+
 MOVED_M: Final = 1e-3
 """A motion that leads no farther is none, in metres and in radians."""
 
@@ -43,9 +46,10 @@ def waits_within_limits(run: JudgedRun) -> Violation | None:
     An idle period is a time in which at least one robot has neither ended nor died, and no active
     robot moves by more than 1e-3 m or rad, adds or learns a node, or ends, and no fault occurs. It
     may be 1.5 times as long as all waiting times of the strategy's options added up, plus 30 s,
-    plus a pause and a query for each request to give way in it, and a pause for each goal that is
-    chosen in it. This also holds for robots that wait for a dead one. For bidding robots that do
-    not form pairs or chains and do not pursue each other, it holds for each robot separately,
+    plus a pause and a query for each request to give way in it, and for each goal that is chosen
+    in it a pause and the time after which a robot that makes no progress by the nearness diagram
+    follows its path. This also holds for robots that wait for a dead one. For bidding robots that
+    do not form pairs or chains and do not pursue each other, it holds for each robot separately,
     whatever the others do; robots of the SRT family may wait for the end of others. A run that its
     stop rule ended because nothing new came is a violation if the allowed time is shorter than the
     time of the stop rule.
@@ -149,8 +153,10 @@ def _tried(run: JudgedRun, team: list[int], begin_s: float, end_s: float) -> flo
         for chosen in run.recording.of(GoalChosen)
         if chosen.robot in team and begin_s <= chosen.time_s <= end_s
     }
-    pauses_s = 1.5 * len(goals) * options["pause_s"]
-    return SLACK * float(requests * each_s + pauses_s)
+    each_goal_s = 1.5 * options["pause_s"]
+    if options.get("drive") == "nearness-diagram":
+        each_goal_s += STUCK_S
+    return SLACK * float(requests * each_s + len(goals) * each_goal_s)
 
 
 def _spells(run: JudgedRun, team: list[int]) -> Iterator[tuple[float, float]]:

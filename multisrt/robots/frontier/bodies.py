@@ -27,12 +27,15 @@ class BodyInTheWay:
     ----------
     sighting : Sighting
         Where it was seen.
+    seen_s : float
+        When it was seen there.
     until_s : float
         Until when it counts as an obstacle; ``inf`` if it does not answer: then until it is heard
         of or seen elsewhere.
     """
 
     sighting: Sighting
+    seen_s: float
     until_s: float
 
     @property
@@ -56,6 +59,7 @@ class Bodies:
         self._course = course
         self._map = map
         self._standing: dict[int, BodyInTheWay] = {}
+        self._sought: set[int] = set()
 
     def __len__(self) -> int:
         return len(self._standing)
@@ -73,13 +77,35 @@ class Bodies:
 
     def add(self, sighting: Sighting, until_s: float = math.inf) -> None:
         """Take a robot as an obstacle until a time; ``inf`` if it is presumed lost."""
-        self._standing[sighting.robot] = BodyInTheWay(sighting, until_s)
+        self._standing[sighting.robot] = BodyInTheWay(sighting, self._course.time_s, until_s)
 
     def note_heard(self, robot: int) -> None:
         """Drop a robot that was presumed lost: it was heard from."""
+        self._sought.discard(robot)
         body = self._standing.get(robot)
         if body is not None and body.is_lost:
             del self._standing[robot]
+
+    def seek_lost(self, age_s: float) -> bool:
+        """Drop robots presumed lost that were last seen long ago; return whether there is any.
+
+        They may have left, and only their messages were lost. Each is dropped once until it is
+        heard from, as it may be dead.
+
+        Parameters
+        ----------
+        age_s : float
+            Minimum time in seconds since it was seen.
+        """
+        sought = {
+            number
+            for number, body in self._standing.items()
+            if body.is_lost and self._course.time_s > body.seen_s + age_s
+        } - self._sought
+        for number in sought:
+            del self._standing[number]
+        self._sought |= sought
+        return bool(sought)
 
     def all_are_lost(self) -> bool:
         """Whether none of the robots answers; true if there is none."""

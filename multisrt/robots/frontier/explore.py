@@ -265,6 +265,8 @@ class FrontierExplorer:
             return Event.GOAL
         if self.progress.may_wait and not robot.bodies.all_are_lost():
             return Event.BARRED
+        if robot.bodies.seek_lost(robot.options.body_stays_s):
+            return Event.NO_WAY
         yield from self.end_errand(errand, barred=True)
         return Event.NO_WAY
 
@@ -279,6 +281,8 @@ class FrontierExplorer:
             return Event.BOXED_IN if robot.is_walled_in else Event.EXPLORED
         if progress.may_wait and not robot.bodies.all_are_lost():
             return Event.BARRED
+        if robot.bodies.seek_lost(robot.options.body_stays_s):
+            return Event.NO_WAY
         return Event.BOXED_IN
 
     def drive(self) -> Act:

@@ -64,7 +64,9 @@ class FrontierOptions(PursuitOptions, frozen=True, kw_only=True, forbid_unknown_
         it knows of all others that it takes into account (SBX-R, Algorithm 3).
     body_stays_s : float
         For about this long (half of it to one and a half times), in seconds, the body of a robot
-        that answers but does not leave counts as an obstacle.
+        that answers but does not leave counts as an obstacle. That of a robot presumed lost does
+        until it is heard of or seen elsewhere; but before a robot is boxed in by one that it saw
+        longer ago than this, it goes to look once whether that has left.
     guard_m : float
         Distance between two bodies, in metres, at which the protective stop ends a motion.
     ask_period_s : float

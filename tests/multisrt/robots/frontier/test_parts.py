@@ -264,6 +264,25 @@ def test_a_robot_that_is_heard_of_is_not_lost():
     assert bodies.numbers() == [2]
 
 
+def test_a_lost_robot_is_looked_for_once_until_it_is_heard():
+    course = Course(Configuration(3.0, 3.0, 0.0), 0.0)
+    bodies = Bodies(course, map_of((3, 3)))
+    bodies.add(seen_at(5, 3))
+    bodies.add(seen_at(6, 3, robot=2), until_s=99.0)  # it answers
+    assert not bodies.seek_lost(15.0)  # seen just now
+    course.time_s = 16.0
+    assert bodies.seek_lost(15.0)
+    assert bodies.numbers() == [2]
+    bodies.add(seen_at(5, 3))  # it still stands there
+    course.time_s = 40.0
+    assert not bodies.seek_lost(15.0)
+    assert bodies.numbers() == [2, 1]
+    bodies.note_heard(1)
+    bodies.add(seen_at(5, 3))
+    course.time_s = 60.0
+    assert bodies.seek_lost(15.0)
+
+
 def test_discs_hold_the_bodies():
     assert discs_of([seen_at(5, 3)], 0.1).tolist() == [[5.0, 3.0, 0.35]]
     assert discs_of([]).shape == (0, 3)

@@ -76,7 +76,7 @@ def draw_options(
     for name in chance.some_of(free, min(chance.weighted(NUMBERS), len(free))):
         for _ in range(MAX_TRIES):
             value = _value(fields[name], chance)
-            if value != fields[name].default and _takes(strategy, {name: value}):
+            if value != fields[name].default and _takes(strategy, found | {name: value}):
                 found[name] = value
                 break
     while found and not _takes(strategy, found):

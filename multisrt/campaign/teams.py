@@ -67,7 +67,11 @@ def draw_robots(chance: Chance, environment: Environment) -> tuple[RobotSpec, ..
     made = [_robot(chance, environment) for _ in range(kinds)]
     robots = [made[i % kinds] for i in range(team)]
     if chance.happens(0.12):
-        robots = [_started(robot, chance, environment) for robot in robots]
+        share = chance.one_of((0.5, 1.0))
+        robots = [
+            _started(robot, chance, environment) if chance.happens(share) else robot
+            for robot in robots
+        ]
     return tuple(robots)
 
 
@@ -107,6 +111,8 @@ def _footprint(chance: Chance) -> str:
         case _:
             a, b = size_m, size_m * chance.number(0.3, 0.7)
             corners = [(-a, -a), (a, -a), (a, a), (b, a), (b, -b), (-b, -b), (-b, a), (-a, a)]
+            # The reference point lies in the middle of the bar that joins the arms.
+            corners = [(x, y + 0.5 * (a + b)) for x, y in corners]
     return "polygon:" + " ".join(f"{x:.3f},{y:.3f}" for x, y in corners)
 
 
@@ -169,10 +175,6 @@ def draw_radio(chance: Chance, robots: tuple[RobotSpec, ...]) -> RadioSpec:
     )
 
 
-def _loss(chance: Chance) -> float:
-    return chance.number(0.0, 0.5) if chance.happens(0.4) else 0.0
-
-
 def draw_base(chance: Chance, environment: Environment) -> BaseSpec | None:
     """Return a base station somewhere in a world, or none.
 
@@ -218,7 +220,7 @@ def draw_faults(chance: Chance, team: int, max_time_s: float) -> tuple[Fault, ..
         if late:
             faults.append(LateStart(robot=robot, time_s=time_s))
         for _ in range(chance.weighted({0: 0.6, 1: 0.3, 2: 0.1})):
-            duration_s = chance.magnitude(0.5, 100.0)
+            duration_s = chance.magnitude(0.5, 100.0 if chance.happens(0.8) else 1000.0)
             begin_s = _moment(chance, max_time_s) if at_once_s is None else at_once_s
             faults.append(Silence(robot=robot, time_s=begin_s, duration_s=duration_s))
         if chance.happens(0.4):
@@ -240,7 +242,10 @@ def _doing(chance: Chance) -> Literal["any", "moving", "waiting", "master"]:
 def _moment(chance: Chance, max_time_s: float) -> float:
     if chance.happens(0.1):
         return 0.0
-    return min(chance.magnitude(0.5, 120.0), math.floor(900.0 * max_time_s) / 1000.0)
+    latest_s = math.floor(900.0 * max_time_s) / 1000.0
+    if chance.happens(0.2):
+        return chance.number(0.0, latest_s)
+    return min(chance.magnitude(0.5, 120.0), latest_s)
 
 
 def _place(chance: Chance, environment: Environment) -> tuple[float, float]:

@@ -32,6 +32,7 @@ from multisrt.campaign.invariants.measures import measures_consistent
 from multisrt.campaign.invariants.merging import closings_are_for_some, merge_order
 from multisrt.campaign.invariants.motion import motion_continuous, motion_within_drive
 from multisrt.campaign.invariants.progress import drives_get_somewhere
+from multisrt.campaign.invariants.reasons import incomplete_for_a_reason
 from multisrt.campaign.invariants.starting import starts_and_faults
 from multisrt.campaign.invariants.waiting import waits_within_limits
 from multisrt.campaign.judged_run import JudgedRun
@@ -58,6 +59,7 @@ INVARIANTS: Final[Mapping[str, Invariant]] = MappingProxyType(
         "closings-are-for-some": closings_are_for_some,
         "complete-is-complete": complete_is_complete,
         "boxed-in-is-boxed-in": boxed_in_is_boxed_in,
+        "incomplete-for-a-reason": incomplete_for_a_reason,
         "waits-within-limits": waits_within_limits,
         "drives-get-somewhere": drives_get_somewhere,
         "measures-consistent": measures_consistent,

@@ -49,7 +49,8 @@ def no_collision(run: JudgedRun) -> Violation | None:
     cannot meet between two samples, given the speeds of their motions, or until they are within
     `FOUND_M` (2e-5 m). Robots plan with a margin more than ten times as large.
 
-    Robots cannot know of walls that the beams of a laser missed: contact with an obstacle is not a
+    Robots cannot know of walls that the beams of a laser missed. In worlds with obstacles thinner
+    than the distance between beams, or with sharp corners, contact with an obstacle is not a
     violation if a region on the robot's map contains a part of that obstacle next to it.
     `free-is-free` limits what beams may miss.
 
@@ -74,11 +75,10 @@ def no_collision(run: JudgedRun) -> Violation | None:
 
 def _with_walls(run: JudgedRun) -> Iterator[Violation]:
     for robot, (body, track) in enumerate(zip(run.bodies, run.tracks, strict=True)):
-        legs = _touching_legs(body, track, run.walls)
-        if len(legs):
-            begin, end = track.legs[legs[0], [0, 4]].tolist()
-            x, y = track.legs[legs[0], 1:3].tolist()
-            path = _line(_chords(track, int(legs[0]), COARSE_M))
+        for leg in _touching_legs(body, track, run.walls).tolist():
+            begin, end = track.legs[leg, [0, 4]].tolist()
+            x, y = track.legs[leg, 1:3].tolist()
+            path = _line(_chords(track, leg, COARSE_M))
             if _is_unseen(run, robot, path.buffer(body.circumscribed_m + BESIDE_M)):
                 continue
             yield Violation(
@@ -88,11 +88,12 @@ def _with_walls(run: JudgedRun) -> Iterator[Violation]:
                 robot=robot,
                 time_s=begin,
             )
+            break
 
 
 def _is_unseen(run: JudgedRun, robot: int, beside: BaseGeometry) -> bool:
     """Whether a robot's map contains obstacles in an area, which its beams missed."""
-    if all(spec.range_finder.beams is None for spec in run.recording.spec.robots):
+    if run.beams_find_all:
         return False
     obstacles = beside.difference(run.walls.grown)
     return any(

@@ -8,6 +8,7 @@ from typing import Final
 from multisrt.campaign.judged_run import ROUNDING_S, JudgedRun
 from multisrt.campaign.violations import MAX_LENGTH, Violation, quoted
 from multisrt.events import Collision, Died, Ended, Sent
+from multisrt.simulation.standstill import NOTHING_NEW
 
 NAME: Final = "ends"
 
@@ -23,11 +24,11 @@ WAITS_FOR_EVER: Final = "for a message that never comes"
 def ends(run: JudgedRun) -> Violation | None:
     """Check that a run ends within a bounded number of events, with a consistent outcome.
 
-    It has at most 2,000 events per robot, plus 100 per second and robot; a message counts once for
-    each robot of the team. The outcome is `complete` only if all robots that are alive ended as
-    complete, and `out_of_time` only at the time limit. It is not `stalled` because of robots that
-    wait for a message that never comes, since no robot may do that. Reasons are not empty, nothing
-    happens after the end, and a run that ended before its time limit ended with an event.
+    It has at most 2,000 events per robot, plus 100 per second and robot. The outcome is `complete`
+    only if all robots that are alive ended as complete, and `out_of_time` only at the time limit.
+    It is not `stalled` because of robots that wait for a message that never comes, since no robot
+    may do that. Reasons are not empty, nothing happens after the end, and a run that no limit ended
+    ended with an event or the arrival of a message.
 
     Cost: negligible.
     """
@@ -52,7 +53,16 @@ def _wrong(run: JudgedRun) -> Iterator[str]:
     last_s = max((event.time_s for event in recording.events), default=0.0)
     if last_s > footer.time_s + ROUNDING_S:
         yield f"something happens at {last_s:.2f} s, after the end at {footer.time_s:.2f} s"
+    is_cut_off = footer.outcome == "out_of_time" or NOTHING_NEW in footer.reason
+    if not is_cut_off and last_s + _longest_s(run) < footer.time_s - ROUNDING_S:
+        yield f"it ends at {footer.time_s:.2f} s, but the last event is at {last_s:.2f} s"
     yield from _misnamed(run)
+
+
+def _longest_s(run: JudgedRun) -> float:
+    # How long a message may be on its way, whose arrival is no event.
+    radio = run.recording.spec.radio
+    return (len(run.robots) + 1) * (radio.latency_s + radio.jitter_s)
 
 
 def _misnamed(run: JudgedRun) -> Iterator[str]:

@@ -30,7 +30,8 @@ def free_is_free(run: JudgedRun) -> Violation | None:
 
     Every region is star-shaped about the place of its scan, to 1e-5 m, so all of it was visible. It
     lies within the range of the range finder, to 1e-3 m, and in free space enlarged by 1e-5 m.
-    With a laser it may also contain obstacles that the beams missed: those whose distance from free
+    With a laser, in a world with obstacles thinner than the distance between beams or with sharp
+    corners, it may also contain obstacles that the beams missed: those whose distance from free
     space is at most half the distance between two beams at full range. Robots fill their rasters
     with these regions and with those received from others, so nothing else is taken as free.
 
@@ -43,7 +44,7 @@ def free_is_free(run: JudgedRun) -> Violation | None:
         corners = run.recording.region(node)
         wrong = _not_seen(corners, node, spec)
         if wrong is None:
-            slack_m = _slack_m(spec)
+            slack_m = TOLERANCE_M if run.beams_find_all else _slack_m(spec)
             if slack_m not in spaces:
                 spaces[slack_m] = run.environment.free.buffer(slack_m)
                 shapely.prepare(spaces[slack_m])

@@ -29,7 +29,7 @@ POINTS: Final = 4000
 """Number of points, about, that stand for the free space."""
 
 GOAL_M: Final = 0.5
-"""Side of the squares whose goals are one, in metres."""
+"""Side of the squares within which goals, or nodes, count as one, in metres."""
 
 
 def drives_get_somewhere(run: JudgedRun) -> Violation | None:
@@ -41,8 +41,8 @@ def drives_get_somewhere(run: JudgedRun) -> Violation | None:
     together have driven by then. Progress of all robots is a region that shows a place not seen by
     any of them (of about 4000 in the free space), the closing of an arc, the end of a robot, and
     the beginning or end of a fault. Progress of one robot is learning of a node of another robot,
-    and choosing a goal in a square of 0.5 m in which it has had none. In the SRT family a new node
-    is progress. There are finitely many such events, so a robot that drives to and fro for ever is
+    and choosing a goal, in the SRT family adding a node, in a square of 0.5 m in which it has had
+    none. There are finitely many such events, so a robot that drives to and fro for ever is
     found if its run is long enough.
 
     Cost: each region tests the points that no earlier one has shown.
@@ -83,7 +83,7 @@ def _shared_steps(run: JudgedRun) -> list[float]:
                 region = run.regions[event.robot, event.serial]
                 shown = shapely.contains_xy(region, unseen[:, 0], unseen[:, 1])
                 unseen = unseen[~shown]
-                if shown.any() or run.family == "srt":
+                if shown.any():
                     times.append(event.time_s)
             case ArcClosed() | Ended() | Died() | Joined() | FellSilent() | CameBack():
                 times.append(event.time_s)
@@ -96,13 +96,18 @@ def _own_steps(run: JudgedRun, robot: int) -> Iterator[float]:
     for event in run.recording.of(Learned):
         if event.robot == robot:
             yield event.time_s
-    for chosen in run.recording.of(GoalChosen):
-        if chosen.robot == robot and chosen.goal is not None:
-            x, y = chosen.goal
-            square = (int(x // GOAL_M), int(y // GOAL_M))
-            if square not in squares:
-                squares.add(square)
-                yield chosen.time_s
+    for event in run.recording.events:
+        match event:
+            case GoalChosen(goal=place) if event.robot == robot and place is not None:
+                x, y = place
+            case NodeAdded() if event.robot == robot and run.family == "srt":
+                x, y, _ = event.configuration
+            case _:
+                continue
+        square = (int(x // GOAL_M), int(y // GOAL_M))
+        if square not in squares:
+            squares.add(square)
+            yield event.time_s
 
 
 def _points_in(free: shapely.geometry.base.BaseGeometry) -> FloatArray:

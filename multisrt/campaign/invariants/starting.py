@@ -9,7 +9,7 @@ from typing import Final
 
 from multisrt.campaign.judged_run import ROUNDING_M, ROUNDING_S, JudgedRun
 from multisrt.campaign.violations import Violation
-from multisrt.events import CameBack, Died, FellSilent, Joined
+from multisrt.events import CameBack, Died, FellSilent, Joined, Motion
 from multisrt.spec import Death, LateStart, Silence
 
 NAME: Final = "starts-and-faults"
@@ -23,7 +23,8 @@ def starts_and_faults(run: JudgedRun) -> Violation | None:
 
     A robot with a given start begins there, to 1e-6 m and rad. A robot with a late start is
     switched on at that time. A death occurs at its time or, if it depends on what the robot is
-    doing, later and while the robot does that. A radio fails when its silence begins, or when the
+    doing, later and while the robot does that: one that strikes a moving robot by the end of its
+    first motion from then on. A radio fails when its silence begins, or when the
     robot is switched on, and works again when the silence ends, unless another one continues.
     Faults due at the end of the run, or at the death of the robot, may have occurred or not.
 
@@ -77,9 +78,21 @@ def _deaths(run: JudgedRun) -> Iterator[Said]:
             yield robot, event.time_s, f"dies {event.doing}, and was to die {death.when}"
     for robot, death in due.items():
         last_s = died[robot].time_s if robot in died else math.inf
-        is_over = death.time_s >= run.end_s - ROUNDING_S
-        if death.when == "any" and last_s > death.time_s + ROUNDING_S and not is_over:
-            yield robot, death.time_s, "does not die"
+        by_s = _dies_by_s(run, death)
+        if last_s > by_s + ROUNDING_S and by_s < run.end_s - ROUNDING_S:
+            yield robot, by_s, "does not die"
+
+
+def _dies_by_s(run: JudgedRun, death: Death) -> float:
+    """Return the time by which a death must have occurred, as far as the record tells."""
+    if death.when == "any":
+        return death.time_s
+    if death.when != "moving":
+        return math.inf
+    ends = (
+        event.waypoints[-1][0] for event in run.recording.of(Motion) if event.robot == death.robot
+    )
+    return min((end_s for end_s in ends if end_s > death.time_s + ROUNDING_S), default=math.inf)
 
 
 def _silences(run: JudgedRun) -> Iterator[Said]:

@@ -198,10 +198,17 @@ def _leads_on(motion: Motion) -> bool:
 
 def _not_ended(run: JudgedRun, team: list[int], time_s: float) -> list[int]:
     """Return the robots that are active after a time and have not ended by then."""
-    ended = {end.robot for end in run.recording.of(Ended) if end.time_s <= time_s}
+    ended: dict[int, bool] = {}
+    for event in run.recording.events:
+        if event.time_s > time_s:
+            break
+        if isinstance(event, Ended):
+            ended[event.robot] = True
+        elif isinstance(event, Motion | GoalChosen):  # it was called on
+            ended[event.robot] = False
     found = []
     for robot in team:
         on_s, dead_s = run.present_s(robot)
-        if on_s <= time_s < dead_s and robot not in ended:
+        if on_s <= time_s < dead_s and not ended.get(robot, False):
             found.append(robot)
     return found

@@ -32,8 +32,8 @@ BORDER_M: Final = 2.0
 DETAIL_M: Final = 0.01
 """Detail of outlines that does not count as a corner, in metres."""
 
-SLIVER_M2: Final = 1e-3
-"""Area of thin parts of obstacles that are rounding errors, in square metres."""
+SLIVER_M: Final = 0.005
+"""Width of parts of obstacles beyond `DETAIL_M` that are rounding errors, in metres."""
 
 
 def spacing_m(range_finder: RangeFinderSpec) -> float:
@@ -100,7 +100,8 @@ def are_found(environment: Environment, spacing_m: float) -> bool:
     obstacles = around.difference(free)
     half_m = spacing_m / 2.0
     opened = obstacles.buffer(-half_m, join_style="mitre").buffer(half_m, join_style="mitre")
-    if obstacles.difference(opened.buffer(DETAIL_M)).area > SLIVER_M2:
+    thin = obstacles.difference(opened.buffer(DETAIL_M))
+    if not thin.buffer(-0.5 * SLIVER_M).is_empty:
         return False
     return _sharpest(obstacles.simplify(DETAIL_M)) >= MIN_CORNER
 

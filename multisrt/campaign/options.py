@@ -29,7 +29,10 @@ FACTOR: Final = 4.0
 LENGTH_FACTOR: Final = 2.0
 """The same for the smallest of a length: cells of half the width already are four times as many."""
 
-SHORT_WAITS: Final = 0.15
+LENGTHS_M: Final = (0.1, 4.0)
+"""Smallest and largest length where a default is computed, in metres."""
+
+SHORT_WAITS: Final = 0.3
 """Share of draws with shorter waits: a robot that waits for ever shows in a run that goes on for
 longer than all waits together."""
 
@@ -145,6 +148,8 @@ def _number(name: str, default: Any, chance: Chance) -> float:
     usual = float(default) if isinstance(default, int | float) and default > 0.0 else 1.0
     if usual <= 1.0 and not name.endswith(("_m", "_s")) and chance.happens(0.5):
         return chance.number(0.0, 1.0)  # probably a share
+    if default is None and name.endswith("_m"):
+        return chance.magnitude(*LENGTHS_M)  # by default often the body's width
     low = usual / (LENGTH_FACTOR if name.endswith("_m") else FACTOR)
     return chance.magnitude(low, usual * FACTOR)
 

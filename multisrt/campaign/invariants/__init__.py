@@ -1,8 +1,8 @@
 """Invariants: statements that hold in every run, checked on its recording and the true world.
 
-Each invariant is checked by independent code, which uses the recorded motions, scans, messages and
-regions and the true free space, and does not rely on results of the explorers or the simulation.
-Its docstring states what is required, the tolerances, and the reasons for them.
+Each invariant is checked by separate code, which uses the recorded motions, scans, messages and
+regions and the true free space. Its docstring states what is required, the tolerances and the
+reasons for them, and where events that explorers recorded are taken into account.
 
 Examples
 --------

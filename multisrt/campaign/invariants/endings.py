@@ -100,4 +100,4 @@ def _misnamed(run: JudgedRun) -> Iterator[str]:
 def _waits_again(run: JudgedRun) -> bool:
     # Whether something was on its way still: a robot that was called on, and did not end.
     last_end_s = max(end.time_s for end in run.ends.values())
-    return any(event.time_s >= last_end_s for event in run.recording.of(Sent))
+    return any(event.time_s > last_end_s for event in run.recording.of(Sent))

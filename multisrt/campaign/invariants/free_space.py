@@ -11,6 +11,7 @@ from shapely.geometry.base import BaseGeometry
 
 from multisrt.campaign.bodies import FloatArray
 from multisrt.campaign.judged_run import JudgedRun
+from multisrt.campaign.lasers import DETAIL_M
 from multisrt.campaign.violations import Violation
 from multisrt.events import NodeAdded
 from multisrt.geometry.regions.overlay import GRID_M
@@ -30,9 +31,10 @@ def free_is_free(run: JudgedRun) -> Violation | None:
 
     Every region is star-shaped about the place of its scan, to 1e-5 m, so all of it was visible. It
     lies within the range of the range finder, to 1e-3 m, and in free space enlarged by 1e-5 m.
-    With a laser, in a world with obstacles thinner than the distance between beams or with sharp
-    corners, it may also contain obstacles that the beams missed: those whose distance from free
-    space is at most half the distance between two beams at full range. Robots fill their rasters
+    With a laser it may also contain details of obstacles of up to 0.01 m, and, in a world with
+    obstacles thinner than the distance between beams or with sharp corners, obstacles that the
+    beams missed: those whose distance from free space is at most half the distance between two
+    beams at full range. Robots fill their rasters
     with these regions and with those received from others, so nothing else is taken as free.
 
     Cost: one test for each region; a few milliseconds per run.
@@ -44,7 +46,7 @@ def free_is_free(run: JudgedRun) -> Violation | None:
         corners = run.recording.region(node)
         wrong = _not_seen(corners, node, spec)
         if wrong is None:
-            slack_m = TOLERANCE_M if run.beams_find_all else _slack_m(spec)
+            slack_m = _slack_m(spec, found=run.beams_find_all)
             if slack_m not in spaces:
                 spaces[slack_m] = run.environment.free.buffer(slack_m)
                 shapely.prepare(spaces[slack_m])
@@ -61,10 +63,11 @@ def free_is_free(run: JudgedRun) -> Violation | None:
     return None
 
 
-def _slack_m(spec: RobotSpec) -> float:
+def _slack_m(spec: RobotSpec, *, found: bool) -> float:
     finder = spec.range_finder
-    between_m = 0.0 if finder.beams is None else finder.range_m * math.pi / finder.beams
-    return TOLERANCE_M + between_m
+    if finder.beams is None:
+        return TOLERANCE_M
+    return DETAIL_M if found else TOLERANCE_M + finder.range_m * math.pi / finder.beams
 
 
 def _not_seen(corners: FloatArray, node: NodeAdded, spec: RobotSpec) -> str | None:

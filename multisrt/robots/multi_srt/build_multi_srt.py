@@ -98,7 +98,9 @@ class SrtExplorer:
         frontier = [robot.map.frontier(node) for node in nodes]
         open_m = deferred.open_m(robot.trees.root)
         barred_m, barring = deferred.left()
-        if open_m and robot.progress.is_boxed_in:
+        # With its third stage, the planner leaves frontier only if the robot was boxed in, which it
+        # need not be any more: a path may have been found, but not to there.
+        if open_m and (robot.progress.is_boxed_in or robot.options.complete):
             walls = robot.is_walled_in and not robot.obstacles
             boxed_in = WALLED_IN if walls else boxed_in_by(robot.obstacles.all)
             reason = f"{boxed_in}, with {open_m:.1f} m of frontier left open"

@@ -184,9 +184,12 @@ def test_a_recorded_collision_is_one(bids):
     assert broken(changed(bids, extra=[event]), "no-collision").startswith("robot 2 touched a cat")
 
 
-@pytest.mark.parametrize(("beams", "seen", "touches"), [(180, 4.0, True), (180, 3.0, False)])
+@pytest.mark.parametrize(
+    ("beams", "seen", "touches"), [(12, 4.0, True), (12, 3.0, False), (180, 3.0, True)]
+)
 def test_a_wall_that_a_laser_missed_is_not_known(beams, seen, touches):
-    # The robot drives into the right wall, which its region reaches over, or not.
+    # The robot drives into the right wall, which its region reaches over, or not; 180 beams miss
+    # no wall.
     robots = (RobotSpec(range_finder=RangeFinderSpec(beams=beams)),)
     narrower = Environment("narrower", shapely.box(0.0, 0.0, seen, 3.0))
     node = NodeAdded(
@@ -202,6 +205,27 @@ def test_a_wall_that_a_laser_missed_is_not_known(beams, seen, touches):
     move = drive(0, (0.0, 2.0, 1.5, 0.0), (10.0, seen - 0.2, 1.5, 0.0))
     run = written([node, move], environment=narrower, robots=robots)
     assert bool(broken(run, "no-collision")) is touches
+    # It excuses that wall alone.
+    down = drive(0, (10.0, seen - 0.2, 1.5, 0.0), (12.0, seen - 0.2, 0.1, 0.0))
+    on = (down, drive(0, (12.0, seen - 0.2, 0.1, 0.0), (14.0, 1.0, 0.1, 0.0)))
+    assert broken(written([node, move, *on], environment=narrower, robots=robots), "no-collision")
+
+
+def test_a_region_of_a_laser_that_misses_nothing_holds_no_obstacle():
+    node = NodeAdded(
+        time_s=0.0,
+        robot=0,
+        serial=0,
+        parent=None,
+        configuration=(2.0, 1.5, 0.0),
+        stage="root",
+        boundary=((0.0, 0.0), (4.05, 0.0), (4.05, 3.0), (0.0, 3.0)),
+        tags="0000",
+    )
+    for beams, is_found in ((12, False), (180, True)):
+        robots = (RobotSpec(range_finder=RangeFinderSpec(beams=beams)),)
+        said = broken(written([node], robots=robots), "free-is-free")
+        assert ("of obstacles" in said) is is_found
 
 
 # Motions -------------------------------------------------------------------------------------
@@ -330,6 +354,9 @@ def test_a_region_behind_a_corner_was_not_in_sight():
 AT = (1.0, 1.0, 0.5)
 
 
+TURN = drive(0, (4.0, *AT), (5.0, 1.0, 1.0, 1.0))
+
+
 def died(time_s: float, doing: str = "waiting") -> Died:
     return Died(time_s=time_s, robot=0, configuration=AT, doing=doing)  # type: ignore[arg-type]
 
@@ -351,6 +378,9 @@ def died(time_s: float, doing: str = "waiting") -> Died:
         (None, (Death(robot=0, time_s=3.0, when="waiting"),), [died(4.0)], ""),
         (None, (Death(robot=0, time_s=3.0, when="waiting"),), [], ""),
         (None, (Death(robot=0, time_s=3.0, when="moving"),), [died(4.0)], "was to die moving"),
+        (None, (Death(robot=0, time_s=3.0, when="moving"),), [], ""),
+        (None, (Death(robot=0, time_s=3.0, when="moving"),), [TURN], "does not die, 5.00 s"),
+        (None, (Death(robot=0, time_s=6.0, when="moving"),), [TURN], ""),
         (None, (), [died(4.0)], "which is not due"),
     ],
 )
@@ -715,6 +745,7 @@ def test_rasters_that_depend_on_the_order_are_found(bids, monkeypatch):
         ({"outcome": "out_of_time"}, "before the limit"),
         ({"outcome": "stalled"}, "but all robots that live ended completely"),
         ({"time_s": 1.0}, "after the end"),
+        ({"time_s": 900.0}, "it ends at 900.00 s, but the last event is at"),
         ({"time_s": 1e6}, "beyond its limit"),
     ],
 )
@@ -736,9 +767,47 @@ def test_nobody_is_to_wait_for_a_message_that_never_comes(srt):
 
 
 def test_too_many_events_are_found():
-    scans = [Sensed(time_s=1.0, robot=0, configuration=(2.0, 1.5, 0.0))] * 4001
+    scans = [Sensed(time_s=20.0, robot=0, configuration=(2.0, 1.5, 0.0))] * 4001
     assert "4001 events in 20.0 s, more than 4000" in broken(written(scans), "ends")
     assert not broken(written(scans[:4000]), "ends")
+
+
+@pytest.mark.parametrize(
+    ("reason", "time_s", "spec", "what"),
+    [
+        ("boxed in by robot 1, which does not give way", 5.0, {}, ""),
+        ("no time is left for another goal and the way home", 19.0, {}, ""),
+        ("no time is left for another goal and the way home", 5.0, {}, "995 s before the limit"),
+        (
+            "no time is left for another goal and the way home",
+            5.0,
+            {"options": {"home": "relays"}},
+            "",
+        ),
+        ("it has had enough", 5.0, {}, "which is no reason"),
+        ("it has had enough", 5.0, {"strategy": "informed"}, ""),
+        (
+            "the planner has no target, with 2.0 m of frontier left open at 1 nodes",
+            5.0,
+            {"strategy": "srt-radial"},
+            "which must not happen",
+        ),
+        (
+            "the planner has no target, with 2.0 m of frontier left open at 1 nodes",
+            5.0,
+            {"strategy": "srt-radial", "options": {"complete": False}},
+            "",
+        ),
+    ],
+)
+def test_robots_end_incomplete_for_a_reason(reason, time_s, spec, what):
+    end = Ended(time_s=time_s, robot=0, reason=reason, complete=False, frontier=())
+    limit_s = 20.0 if time_s == 19.0 else 1000.0
+    spec = {"strategy": "minpos", **spec}
+    run = written([end], end_s=time_s, stop=StopRule(max_time_s=limit_s), **spec)
+    said = broken(run, "incomplete-for-a-reason")
+    assert what in said
+    assert bool(what) is bool(said)
 
 
 # Complete, boxed in, and waiting ---------------------------------------------------------------
@@ -883,6 +952,14 @@ def test_one_robot_of_a_team_that_waits_for_ever_is_found():
         assert ("robot 0 does not do" in broken(run, "waits-within-limits")) is is_found
 
 
+def test_a_robot_that_is_called_on_has_not_ended():
+    end = Ended(time_s=2.0, robot=0, reason="done", complete=True, frontier=())
+    called_on = drive(0, (10.0, 2.0, 1.5, 0.0), (11.0, 2.5, 1.5, 0.0))
+    for events, is_found in (([end], False), ([end, called_on], True)):
+        run = written(events, strategy="minpos", end_s=400.0, outcome="out_of_time")
+        assert bool(broken(run, "waits-within-limits")) is is_found
+
+
 def to_and_fro(laps: int) -> list[Motion]:
     """Return motions of 2 m each, two in a lap of 8 s."""
     ends = ((1.0, 1.5, 0.0), (3.0, 1.5, 0.0), (1.0, 1.5, 0.0))
@@ -919,7 +996,7 @@ def test_a_robot_that_drives_in_circles_is_found():
     elsewhere = replace(goals[2], goal=(1.2, 1.5))
     assert not broken(run(4, elsewhere), name)
     assert not broken(run(4, Learned(time_s=20.0, robot=0, nodes=((1, 0),))), name)
-    # A region that shows nothing new is a step forward with SRT alone.
+    # A region that shows nothing new is a step forward with SRT alone, at a new place.
     room = ((0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0))
     nodes = [
         NodeAdded(
@@ -934,8 +1011,10 @@ def test_a_robot_that_drives_in_circles_is_found():
         )
         for k in range(2)
     ]
-    assert "drives 15.5 m from 1.00 s" in broken(run(4, *nodes), name)
-    assert not broken(run(4, *nodes, strategy="srt-radial"), name)
+    beside = [nodes[0], replace(nodes[1], configuration=(2.6, 1.5, 0.0))]
+    assert "drives 15.5 m from 1.00 s" in broken(run(4, *beside), name)
+    assert "drives 15.5 m from 1.00 s" in broken(run(4, *nodes, strategy="srt-radial"), name)
+    assert not broken(run(4, *beside, strategy="srt-radial"), name)
 
 
 def test_a_standstill_that_the_stop_rule_ends_is_found(srt):

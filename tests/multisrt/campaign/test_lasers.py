@@ -19,6 +19,11 @@ def test_an_obstacle_thinner_than_the_spacing_may_be_missed():
     assert not are_found(world, 0.2)
 
 
+def test_a_pillar_thinner_than_the_spacing_may_be_missed():
+    assert not are_found(_hall_around(shapely.Point(5.0, 5.0).buffer(0.012)), 0.1)
+    assert are_found(_hall_around(shapely.Point(5.0, 5.0).buffer(0.12)), 0.1)
+
+
 def test_a_wall_between_two_rooms_counts_as_an_obstacle():
     left, right = shapely.box(0, 0, 4, 4), shapely.box(4.1, 0, 8, 4)
     world = Environment("rooms", shapely.union_all([left, right, shapely.box(4, 1, 4.1, 2)]))

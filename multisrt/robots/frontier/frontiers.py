@@ -142,10 +142,8 @@ class Frontiers:
 
     @property
     def has_given_up(self) -> bool:
-        """Whether there is a group with places to go to, all of which were given up."""
-        return any(
-            group.target is not None and self._target(group) is None for group in self.groups()
-        )
+        """Whether a place that was given up still is a frontier."""
+        return any(self.is_frontier(*place) for place in self._given_up)
 
     def is_given_up(self, place: Place) -> bool:
         """Whether a place, or one within half the body's width of it, is given up."""

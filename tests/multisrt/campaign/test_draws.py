@@ -9,6 +9,7 @@ import msgspec
 import pytest
 
 from multisrt.campaign import draws
+from multisrt.campaign.bodies import bodies_of
 from multisrt.campaign.draws import candidate, draw, drawn
 from multisrt.campaign.lasers import finds_all
 from multisrt.geometry.errors import InvalidInputError
@@ -69,6 +70,8 @@ def test_all_there_is_is_drawn(candidates):
         "dubins",
     }
     assert {robot.footprint.partition(":")[0] for robot in robots} == {"disc", "box", "polygon"}
+    outlines = [body.outline for spec in candidates for body in bodies_of(spec)]
+    assert any(outline is not None and outline.convex_hull != outline for outline in outlines)
     assert {robot.range_finder.beams is None for robot in robots} == {True, False}
     assert {robot.start is None for robot in robots} == {True, False}
     assert {spec.radio.walls for spec in candidates} == {"pass", "block", "weaken"}
@@ -95,7 +98,8 @@ def test_lasers_are_such_that_no_obstacle_is_missed(candidates):
 
 
 def test_a_refused_draw_is_drawn_again(monkeypatch):
-    first = drawn(SEED, 0)
+    number = next(n for n in range(100) if not drawn(SEED, n).refused)
+    first = drawn(SEED, number)
     refused: list[RunSpec] = []
 
     def once(spec, environment):
@@ -105,7 +109,7 @@ def test_a_refused_draw_is_drawn_again(monkeypatch):
         return set_up(spec, environment)
 
     monkeypatch.setattr(draws, "set_up", once)
-    again = drawn(SEED, 0)
+    again = drawn(SEED, number)
     assert refused == [first.spec]
     assert again.refused > first.refused
     assert again.spec != first.spec

@@ -93,9 +93,9 @@ def _shared_steps(run: JudgedRun) -> list[float]:
 def _own_steps(run: JudgedRun, robot: int) -> Iterator[float]:
     """Yield the times of progress of one robot."""
     squares = set()
-    for event in run.recording.of(Learned):
-        if event.robot == robot:
-            yield event.time_s
+    for learned in run.recording.of(Learned):
+        if learned.robot == robot:
+            yield learned.time_s
     for event in run.recording.events:
         match event:
             case GoalChosen(goal=place) if event.robot == robot and place is not None:

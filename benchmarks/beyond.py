@@ -323,10 +323,14 @@ def page(runs: pd.DataFrame) -> list[str]:
         f"{', and maps of other projects' if has_maps else ''}. {complete:.1%} of the runs are "
         f"complete; {runs['collisions'].sum():.0f} collisions. Runs are "
         "paired by seed. A ratio is that of the times, below 1 if the "
-        "strategy of this project is faster, with its 95 % interval over all cells by inverting "
-        "the signed-rank test of the family; the mean is the geometric mean of the ratios of the "
-        "cells' medians. Cells are tested one by one, with Holm's correction over all cells of "
-        "a comparison. A "
+        "strategy of this project is faster. A cell is a world, a team size and a radio. The ratio "
+        "of a comparison is the factor at which the signed ranks of all cells, added by "
+        "repetition, favour neither strategy, with a 95 % interval by inverting that test. Its "
+        "sample is the repetitions, not the pairs: it is about these worlds, from other starts. "
+        "The mean is the geometric mean of the ratios of the cells' medians. Faster and slower "
+        "count the cells with a significant difference, tested one by one with Holm's correction "
+        "over all cells of a row. Intervals and tests need six repetitions or more. (best) is the "
+        "strategy of the papers with the lowest geometric mean of its cells' medians. A "
         "run that failed (not complete, or less than 99 % covered) counts with twice the longest "
         "time of its cell.",
         "",
@@ -334,7 +338,9 @@ def page(runs: pd.DataFrame) -> list[str]:
     if TURNING in present:
         lines += [
             f"`{TURNING}` is `utility` on the curves on which `gain` drives instead of turning in "
-            "place; what is left of the lead of `gain` is due to its choices.",
+            "place; what is left of the lead of `gain` is due to its choices, and to when it makes "
+            "them: `gain` chooses again when its map has changed, `utility` when its goal is "
+            "reached or seen.",
             "",
         ]
     for radio in (FULL, LIMITED):
@@ -360,8 +366,9 @@ def page(runs: pd.DataFrame) -> list[str]:
             if len(ours) > 1:
                 lines += [
                     f"The lowest median of {' and '.join(f'`{name}`' for name in ours)} in each "
-                    f"cell, also known only afterwards, is in the mean "
-                    f"{1.0 / beside_the_best(part, best, ours, quantity):.3f} of that of `{best}`.",
+                    f"cell, also known only afterwards, is on average "
+                    f"{1.0 / beside_the_best(part, best, ours, quantity):.3f} times that of "
+                    f"`{best}`.",
                     "",
                 ]
         best = best_of(part, papers, TIME)
@@ -385,19 +392,20 @@ def page(runs: pd.DataFrame) -> list[str]:
 
 
 TRIED: Final = (
-    "## What was tried in vain",
+    "## What did not help",
     "",
-    "None of these made a team faster, in worlds of the suites; the figures are on the pages of "
-    "the strategies.",
+    "None of these made a team faster. Times are multiples of those of `gain` as it was before the "
+    "change; the pages of the strategies tell in which worlds.",
     "",
     "- Knowing beforehand the area that a scan at each frontier will show: not faster "
     "([gain](../algorithms/gain.md#the-effect-of-tours-and-of-keeping-goals)). Guessing rooms and "
     "corridors beyond frontiers can bring no more than this.",
     "- More frequent scans or choices: at best 0.99 of the time, with up to 2.5 times the "
     "computing time.",
-    "- Paths that count up to where most of the area beyond a frontier is in sight: 1.05.",
+    "- Paths that count up to where most of the area beyond a frontier is in sight: 1.05, with one "
+    "robot.",
     "- Assigning frontiers by the shortest longest tour, or going along the shortest tour without "
-    "values: 1.04 and 1.06.",
+    "values: 1.04 and 1.06 of the time of `gain` without tours, or about 1.1 of that with them.",
     "- Routes of the whole team over all frontiers ([routes](../algorithms/routes.md)): 0.99 of "
     "the time of `gain` where the parameters were chosen, no faster in other worlds, and slower "
     "with a limited radio.",
@@ -468,7 +476,7 @@ def _regrets(runs: pd.DataFrame, names: Sequence[str]) -> list[str]:
         if key in regrets
     ]
     return [
-        "## Beside a team that knows the map",
+        "## Compared with a team that knows the map",
         "",
         f"Time to 99 % as a multiple of that of the informed plan, {len(known):,} runs.",
         "",

@@ -21,7 +21,7 @@ from multisrt.experiments.lock import WriteLock
 from multisrt.geometry.errors import InvalidInputError
 
 ABOUT: Final = f"""{__doc__}
-A defect that is found takes from some seconds to three minutes on one core; one that is not, and
+A defect that is found takes from a few seconds to four minutes on one core; one that is not, and
 the control, take one to two seconds for each mission. Exit code: 0, 1 if a defect was not found or
 the control failed, 2 if a campaign could not be run."""
 

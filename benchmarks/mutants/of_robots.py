@@ -96,4 +96,3 @@ MUTANTS: Final = (
         new='"time_to_90_s": covered.time_to(0.97),',
     ),
 )
-"""Ten of them."""

@@ -181,4 +181,3 @@ MUTANTS: Final = (
         ),
     ),
 )
-"""Twenty of them."""

@@ -82,14 +82,14 @@ def page(findings: Mapping[str, Finding], seed: int) -> str:
         failed = "none of them failed"
         if control.mission is not None:
             failed = f"the last failed ({', '.join(control.invariants)}: {control.says})"
-        said += f". The program as it is made {counted(control.missions, 'mission')}; {failed}"
+        said += f". The unmodified program ran {counted(control.missions, 'mission')}; {failed}"
     return "\n".join(
         [
             "# Planted defects",
             "",
             f"Made with {_commands(findings, seed)} and `python -m benchmarks.mutants --page`. A "
-            f"[campaign](../campaign.md) that finds nothing proves little unless it finds what is "
-            f"there: each of {len(MUTANTS)} defects was planted in a copy of the program, one at a "
+            f"[campaign](../campaign.md) without failures is evidence only if it would have found "
+            f"defects: each of {len(MUTANTS)} defects was planted in a copy of the program, one at a "
             f"time, by a change of a line or two, and a campaign (seed {seed}) run until its first "
             "failure, or for as many missions as its row says.",
             "",

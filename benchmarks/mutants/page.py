@@ -88,9 +88,9 @@ def page(findings: Mapping[str, Finding], seed: int) -> str:
             "# Planted defects",
             "",
             f"Made with {_commands(findings, seed)} and `python -m benchmarks.mutants --page`. A "
-            f"[campaign](../campaign.md) without failures is evidence only if it would have found "
-            f"defects: each of {len(MUTANTS)} defects was planted in a copy of the program, one at a "
-            f"time, by a change of a line or two, and a campaign (seed {seed}) run until its first "
+            "[campaign](../campaign.md) without failures is evidence only if it would have found "
+            f"defects: each of {len(MUTANTS)} was planted in a copy of the program, one at a time, by "
+            f" a change of a line or two, and a campaign (seed {seed}) run until its first "
             "failure, or for as many missions as its row says.",
             "",
             f"{said}.",

@@ -89,8 +89,8 @@ def page(findings: Mapping[str, Finding], seed: int) -> str:
             "",
             f"Made with {_commands(findings, seed)} and `python -m benchmarks.mutants --page`. A "
             "[campaign](../campaign.md) without failures is evidence only if it would have found "
-            f"defects: each of {len(MUTANTS)} was planted in a copy of the program, one at a time, by "
-            f" a change of a line or two, and a campaign (seed {seed}) run until its first "
+            f"defects: each of {len(MUTANTS)} was planted in a copy of the program, one at a time, "
+            f"by a change of a line or two, and a campaign (seed {seed}) run until its first "
             "failure, or for as many missions as its row says.",
             "",
             f"{said}.",

@@ -23,9 +23,9 @@ class Body:
     Attributes
     ----------
     radius_m : float
-        Of a disc; 0 for a polygon.
+        Radius of a disc in metres; 0 for a polygon.
     outline : Polygon or None
-        Of a polygon.
+        Outline of a polygon in the frame of the body, in metres; None for a disc.
     """
 
     radius_m: float

@@ -27,7 +27,7 @@ STREAM: Final = 1
 """Key of the random streams of missions, after the seed of the campaign."""
 
 MAX_ATTEMPTS: Final = 200
-"""Draws of one mission after which the grammar is taken to be wrong."""
+"""Number of draws of one mission after which drawing it is an error."""
 
 AMPLE_S: Final = 6000.0
 """Time limit of a run times its number of robots, in seconds, if it is to end by itself."""

@@ -40,7 +40,7 @@ Job = Make | Judge
 
 
 class Trying(msgspec.Struct, frozen=True, kw_only=True, tag="trying"):
-    """Answer before that to `Make`, at any number of draws: this one is drawn or set up next.
+    """Message ahead of the answer to `Make`, before each draw and before each set-up.
 
     Attributes
     ----------

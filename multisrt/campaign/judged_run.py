@@ -83,7 +83,7 @@ class JudgedRun:
     _shared: dict[Hashable, Any] = field(default_factory=dict, init=False, repr=False)
 
     def once(self, name: Hashable, compute: Callable[[], T]) -> T:
-        """Return what a function computes; what it returned before under the same name."""
+        """Return what was computed before under a name; if nothing was, call `compute`."""
         if name not in self._shared:
             self._shared[name] = compute()
         found: T = self._shared[name]
@@ -175,7 +175,7 @@ class JudgedRun:
 
     @property
     def known(self) -> list[dict[NodeName, float]]:
-        """For each robot when it came to know which node, as it said itself."""
+        """For each robot the nodes that it recorded as known, with the times in seconds."""
         return self.once("known", self._known)
 
     def _known(self) -> list[dict[NodeName, float]]:

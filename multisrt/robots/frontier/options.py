@@ -232,7 +232,7 @@ class PathCostOptions(BiddingOptions, frozen=True, kw_only=True, forbid_unknown_
     saves_turns : bool
         As above.
     turn_m_per_rad : float
-        Way in metres that a radian of the first turn counts as.
+        Path length in metres that a radian of the first turn counts as.
     keep_m : float
         By how many metres the present goal of a robot counts as nearer, so that it does not turn
         to another one for a small advantage.
@@ -254,14 +254,14 @@ class GainOptions(PathCostOptions, frozen=True, kw_only=True, forbid_unknown_fie
     Attributes
     ----------
     power : float
-        Power of the way in the value of a frontier.
+        Exponent of the path length in the value of a frontier.
     return_area_m2 : float
         Area in square metres that stands for the way back to a frontier that is left behind; it is
         added to the area beyond each.
     tour_weight : float
         Weight of the length of the tour over the frontiers that are left, against the way to the
         first of them. With 0 robots go to the frontier of the highest value that others leave
-        them, as before tours were compared.
+        them.
     """
 
     power: float = 4.0
@@ -281,7 +281,7 @@ class RoutesOptions(PathCostOptions, frozen=True, kw_only=True, forbid_unknown_f
     Attributes
     ----------
     search_m_per_m2 : float
-        Way in metres that a robot needs to explore a square metre beyond a frontier.
+        Path length in metres that a robot needs to explore a square metre beyond a frontier.
     keep_m : float
         As above.
     """

@@ -196,7 +196,7 @@ def _with_each_other(run: JudgedRun) -> Iterator[Violation]:
 
 
 class _Gap:
-    """The distance of two bodies at some times, in metres; a lower bound where they are far apart."""
+    """The distance of two bodies in metres at some times; where they are far apart, less."""
 
     def __init__(self, one: Body, track: Track, two: Body, other: Track) -> None:
         self._one, self._track, self._two, self._other = _shrunk(one), track, _shrunk(two), other

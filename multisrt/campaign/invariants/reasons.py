@@ -11,10 +11,10 @@ from multisrt.campaign.invariants.completeness import IN_THE_WAY, NO_TARGET
 from multisrt.campaign.judged_run import JudgedRun
 from multisrt.campaign.violations import Violation, quoted
 from multisrt.events import Ended
-from multisrt.planners.home_options import NO_TIME_LEFT
 
 NAME: Final = "incomplete-for-a-reason"
 
+NO_TIME_LEFT: Final = "no time is left for another"
 NO_CHAIN: Final = "no goal is left from which the chain reaches"
 
 SLACK: Final = 2.0

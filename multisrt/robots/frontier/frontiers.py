@@ -142,8 +142,13 @@ class Frontiers:
 
     @property
     def has_given_up(self) -> bool:
-        """Whether a place that was given up still is a frontier."""
-        return any(self.is_frontier(*place) for place in self._given_up)
+        """Whether a group with places to go to is at a place that was given up."""
+        groups = [group for group in self.groups() if group.target is not None]
+        if not self._given_up or not groups:
+            return False
+        cells = self._raster.centres_of(np.concatenate([group.cells for group in groups]))
+        apart = nearest_points(np.array(list(self._given_up)), cells)
+        return bool((apart <= 0.5 * self._width_m).any())
 
     def is_given_up(self, place: Place) -> bool:
         """Whether a place, or one within half the body's width of it, is given up."""

@@ -344,7 +344,7 @@ def replay(failure: Path) -> None:
 
     \b
     Exit code:
-      0  nothing fails any more   1  an invariant is violated, the same or another   2  bad input
+      0  it no longer fails   1  an invariant is violated   2  bad input
     """
     from multisrt.campaign.failure import (
         FAILURE_NAME,

@@ -126,7 +126,7 @@ def test_the_better_of_ours_in_each_cell_is_told_if_there_are_two():
     assert "The lowest median of" not in "\n".join(page(made(TIMES)))
     text = "\n".join(page(made(TIMES | {"routes": 160.0})))
     told = re.findall(
-        r"lowest median of `gain` and `routes` in each cell, .* (0\.\d+) of that", text
+        r"lowest median of `gain` and `routes` in each cell, .* (0\.\d+) times that", text
     )
     assert [float(ratio) for ratio in told] == pytest.approx([0.8] * 4, abs=0.03)
 

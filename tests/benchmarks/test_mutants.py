@@ -161,7 +161,7 @@ def test_the_page_is_made_from_what_is_kept(tmp_path, monkeypatch):
     assert main(["--out", str(tmp_path), "--page"]) == 0
     text = (tmp_path / "mutants.md").read_text()
     assert "Campaigns found 1 of 32 defects, all of them within 100 missions" in text
-    assert "The program as it is made 900 missions; none of them failed." in text
+    assert "The unmodified program ran 900 missions; none of them failed." in text
     assert text.splitlines()[2].startswith(
         "Made with `python -m benchmarks.mutants --missions 900` and `python -m "
     )

@@ -184,6 +184,20 @@ def test_a_recorded_collision_is_one(bids):
     assert broken(changed(bids, extra=[event]), "no-collision").startswith("robot 2 touched a cat")
 
 
+def seen_up_to(x: float) -> NodeAdded:
+    """Return a node in the middle of the room whose region ends at x on the right."""
+    return NodeAdded(
+        time_s=0.0,
+        robot=0,
+        serial=0,
+        parent=None,
+        configuration=(2.0, 1.5, 0.0),
+        stage="root",
+        boundary=((0.0, 0.0), (x, 0.0), (x, 3.0), (0.0, 3.0)),
+        tags="0000",
+    )
+
+
 @pytest.mark.parametrize(
     ("beams", "seen", "touches"), [(12, 4.0, True), (12, 3.0, False), (180, 3.0, True)]
 )
@@ -192,16 +206,7 @@ def test_a_wall_that_a_laser_missed_is_not_known(beams, seen, touches):
     # no wall.
     robots = (RobotSpec(range_finder=RangeFinderSpec(beams=beams)),)
     narrower = Environment("narrower", shapely.box(0.0, 0.0, seen, 3.0))
-    node = NodeAdded(
-        time_s=0.0,
-        robot=0,
-        serial=0,
-        parent=None,
-        configuration=(2.0, 1.5, 0.0),
-        stage="root",
-        boundary=((0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0)),
-        tags="0000",
-    )
+    node = seen_up_to(4.0)
     move = drive(0, (0.0, 2.0, 1.5, 0.0), (10.0, seen - 0.2, 1.5, 0.0))
     run = written([node, move], environment=narrower, robots=robots)
     assert bool(broken(run, "no-collision")) is touches
@@ -212,16 +217,7 @@ def test_a_wall_that_a_laser_missed_is_not_known(beams, seen, touches):
 
 
 def test_a_region_of_a_laser_that_misses_nothing_holds_no_obstacle():
-    node = NodeAdded(
-        time_s=0.0,
-        robot=0,
-        serial=0,
-        parent=None,
-        configuration=(2.0, 1.5, 0.0),
-        stage="root",
-        boundary=((0.0, 0.0), (4.05, 0.0), (4.05, 3.0), (0.0, 3.0)),
-        tags="0000",
-    )
+    node = seen_up_to(4.05)
     for beams, is_found in ((12, False), (180, True)):
         robots = (RobotSpec(range_finder=RangeFinderSpec(beams=beams)),)
         said = broken(written([node], robots=robots), "free-is-free")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Final
 
+from multisrt.campaign.invariants.waiting import limit
 from multisrt.campaign.judged_run import ROUNDING_S, JudgedRun
 from multisrt.campaign.violations import MAX_LENGTH, Violation, quoted
 from multisrt.events import Collision, Died, Ended, Sent
@@ -28,7 +29,7 @@ def ends(run: JudgedRun) -> Violation | None:
     only if all robots that are alive ended as complete, and `out_of_time` only at the time limit.
     It is not `stalled` because of robots that wait for a message that never comes, since no robot
     may do that. Reasons are not empty, nothing happens after the end, and a run that no limit ended
-    ended with an event or the arrival of a message.
+    ended with an event, or with the arrival of a message or the end of a wait after it.
 
     Cost: negligible.
     """
@@ -60,9 +61,11 @@ def _wrong(run: JudgedRun) -> Iterator[str]:
 
 
 def _longest_s(run: JudgedRun) -> float:
-    # How long a message may be on its way, whose arrival is no event.
+    # How long a message may be on its way, or a robot wait that has ended again then: neither is
+    # an event.
     radio = run.recording.spec.radio
-    return (len(run.robots) + 1) * (radio.latency_s + radio.jitter_s)
+    travel_s = (len(run.robots) + 1) * (radio.latency_s + radio.jitter_s)
+    return travel_s if run.family == "other" else travel_s + limit(run)
 
 
 def _misnamed(run: JudgedRun) -> Iterator[str]:

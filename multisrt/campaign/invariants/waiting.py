@@ -204,7 +204,7 @@ def _not_ended(run: JudgedRun, team: list[int], time_s: float) -> list[int]:
             break
         if isinstance(event, Ended):
             ended[event.robot] = True
-        elif isinstance(event, Motion | GoalChosen):  # it was called on
+        elif isinstance(event, Motion):  # it was called on
             ended[event.robot] = False
     found = []
     for robot in team:

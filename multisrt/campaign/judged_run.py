@@ -16,7 +16,7 @@ from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
 from multisrt.campaign.bodies import Body, FloatArray, bodies_of
-from multisrt.campaign.lasers import are_found, spacing_m
+from multisrt.campaign.lasers import finds_all
 from multisrt.campaign.tracks import Track, tracks
 from multisrt.environments.environment import Environment
 from multisrt.events import Died, Ended, Joined, Learned, NodeAdded, NodeName
@@ -125,9 +125,7 @@ class JudgedRun:
     @property
     def beams_find_all(self) -> bool:
         """Whether the range finders of all robots find all obstacles; True for exact sensors."""
-        robots = self.recording.spec.robots
-        widest_m = max(spacing_m(robot.range_finder) for robot in robots)
-        return widest_m == 0.0 or are_found(self.environment, widest_m)
+        return self.once("lasers", lambda: finds_all(self.recording.spec, self.environment))
 
     @property
     def bodies(self) -> list[Body]:

@@ -49,13 +49,15 @@ def spacing_m(range_finder: RangeFinderSpec) -> float:
     return math.tau * range_finder.range_m / range_finder.beams
 
 
-def finds_all(spec: RunSpec) -> bool:
+def finds_all(spec: RunSpec, environment: Environment | None = None) -> bool:
     """Whether the range finders of all robots find all obstacles of their world.
 
     Parameters
     ----------
     spec : RunSpec
         The run.
+    environment : Environment, optional
+        Its world. Default: built from the spec.
 
     Returns
     -------
@@ -68,7 +70,7 @@ def finds_all(spec: RunSpec) -> bool:
         If the world cannot be built.
     """
     widest_m = max(spacing_m(robot.range_finder) for robot in spec.robots)
-    return widest_m == 0.0 or are_found(world_of(spec.environment), widest_m)
+    return widest_m == 0.0 or are_found(environment or world_of(spec.environment), widest_m)
 
 
 @lru_cache(maxsize=1000)

@@ -30,7 +30,7 @@ LENGTH_FACTOR: Final = 2.0
 """The same for the smallest of a length: cells of half the width already are four times as many."""
 
 LENGTHS_M: Final = (0.1, 4.0)
-"""Smallest and largest length where a default is computed, in metres."""
+"""Smallest and largest value of a length whose default is computed, in metres."""
 
 SHORT_WAITS: Final = 0.3
 """Share of draws with shorter waits: a robot that waits for ever shows in a run that goes on for

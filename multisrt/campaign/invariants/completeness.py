@@ -81,9 +81,6 @@ BODY_SLACK_M: Final = 0.05
 IN_THE_WAY: Final = " in the way to "
 """In the reason of a robot of the SRT family that ended with frontier behind other bodies."""
 
-NO_TARGET: Final = "the planner has no target"
-"""Begin of the reason of a robot of the SRT family that leaves frontier, with `complete=false`."""
-
 BELIEF_S: Final = 30.0
 """Time for which a robot of the SRT family may not know that a body has left, in seconds."""
 

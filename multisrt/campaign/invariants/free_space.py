@@ -34,8 +34,8 @@ def free_is_free(run: JudgedRun) -> Violation | None:
     With a laser it may also contain details of obstacles of up to 0.01 m, and, in a world with
     obstacles thinner than the distance between beams or with sharp corners, obstacles that the
     beams missed: those whose distance from free space is at most half the distance between two
-    beams at full range. Robots fill their rasters
-    with these regions and with those received from others, so nothing else is taken as free.
+    beams at full range. Robots fill their rasters with these regions and with those received from
+    others, so nothing else is taken as free.
 
     Cost: one test for each region; a few milliseconds per run.
     """

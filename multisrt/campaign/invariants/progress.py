@@ -42,8 +42,8 @@ def drives_get_somewhere(run: JudgedRun) -> Violation | None:
     any of them (of about 4000 in the free space), the closing of an arc, the end of a robot, and
     the beginning or end of a fault. Progress of one robot is learning of a node of another robot,
     and choosing a goal, in the SRT family adding a node, in a square of 0.5 m in which it has had
-    none. There are finitely many such events, so a robot that drives to and fro for ever is
-    found if its run is long enough.
+    none. There are finitely many such events, so a robot that drives to and fro for ever is found
+    if its run is long enough.
 
     Cost: each region tests the points that no earlier one has shown.
     """

@@ -23,10 +23,10 @@ def starts_and_faults(run: JudgedRun) -> Violation | None:
 
     A robot with a given start begins there, to 1e-6 m and rad. A robot with a late start is
     switched on at that time. A death occurs at its time or, if it depends on what the robot is
-    doing, later and while the robot does that: one that strikes a moving robot by the end of its
-    first motion from then on. A radio fails when its silence begins, or when the
-    robot is switched on, and works again when the silence ends, unless another one continues.
-    Faults due at the end of the run, or at the death of the robot, may have occurred or not.
+    doing, later and while the robot does that; a death while moving occurs by the end of the first
+    motion from then on. A radio fails when its silence begins, or when the robot is switched on,
+    and works again when the silence ends, unless another one continues. Faults due at the end of
+    the run, or at the death of the robot, may have occurred or not.
 
     Cost: negligible.
     """

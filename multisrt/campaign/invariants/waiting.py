@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_right
 from collections.abc import Iterator
+from operator import itemgetter
 from typing import Final
 
 from multisrt.campaign.judged_run import JudgedRun
@@ -198,17 +200,26 @@ def _leads_on(motion: Motion) -> bool:
 
 def _not_ended(run: JudgedRun, team: list[int], time_s: float) -> list[int]:
     """Return the robots that are active after a time and have not ended by then."""
-    ended: dict[int, bool] = {}
-    for event in run.recording.events:
-        if event.time_s > time_s:
-            break
-        if isinstance(event, Ended):
-            ended[event.robot] = True
-        elif isinstance(event, Motion):  # it was called on
-            ended[event.robot] = False
+    changes = run.once("ends and motions", lambda: _ends_and_motions(run))
     found = []
     for robot in team:
         on_s, dead_s = run.present_s(robot)
-        if on_s <= time_s < dead_s and not ended.get(robot, False):
+        times_s, have_ended = changes[robot]
+        last = bisect_right(times_s, time_s) - 1
+        if on_s <= time_s < dead_s and not (last >= 0 and have_ended[last]):
             found.append(robot)
     return found
+
+
+def _ends_and_motions(run: JudgedRun) -> list[tuple[list[float], list[bool]]]:
+    """Return for each robot when it ended or began to move, and whether it ended then.
+
+    A robot that moves after it ended was called on. Motions are recorded when they are over.
+    """
+    changes: list[list[tuple[float, bool]]] = [[] for _ in run.robots]
+    for event in run.recording.events:
+        if isinstance(event, Ended | Motion):
+            changes[event.robot].append((event.time_s, isinstance(event, Ended)))
+    for change in changes:
+        change.sort(key=itemgetter(0))
+    return [([t for t, _ in change], [ended for _, ended in change]) for change in changes]

@@ -263,10 +263,8 @@ class FrontierExplorer:
             yield Note(Decided(time_s=now_s, robot=number, text=text, goal=place))
         if errand.goal is not None:
             return Event.GOAL
-        if self.progress.may_wait and not robot.bodies.all_are_lost():
-            return Event.BARRED
-        if robot.bodies.seek_lost(robot.options.body_stays_s):
-            return Event.NO_WAY
+        if (event := self.past_bodies()) is not None:
+            return event
         yield from self.end_errand(errand, barred=True)
         return Event.NO_WAY
 
@@ -279,11 +277,14 @@ class FrontierExplorer:
             return Event.JAMMED
         if not self._barred(robot):
             return Event.BOXED_IN if robot.is_walled_in else Event.EXPLORED
-        if progress.may_wait and not robot.bodies.all_are_lost():
+        return self.past_bodies() or Event.BOXED_IN
+
+    def past_bodies(self) -> Event | None:
+        """Return what to do where bodies bar all paths: wait, or look again; None if neither."""
+        bodies = self.robot.bodies
+        if self.progress.may_wait and not bodies.all_are_lost():
             return Event.BARRED
-        if robot.bodies.seek_lost(robot.options.body_stays_s):
-            return Event.NO_WAY
-        return Event.BOXED_IN
+        return Event.NO_WAY if bodies.seek_lost(self.robot.options.body_stays_s) else None
 
     def drive(self) -> Act:
         """Drive to the goal, and judge what came of it."""

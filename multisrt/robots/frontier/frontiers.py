@@ -144,11 +144,10 @@ class Frontiers:
     def has_given_up(self) -> bool:
         """Whether a group with places to go to is at a place that was given up."""
         groups = [group for group in self.groups() if group.target is not None]
-        if not self._given_up or not groups:
+        if not groups:
             return False
-        cells = self._raster.centres_of(np.concatenate([group.cells for group in groups]))
-        apart = nearest_points(np.array(list(self._given_up)), cells)
-        return bool((apart <= 0.5 * self._width_m).any())
+        cells = np.concatenate([group.cells for group in groups])
+        return bool(self._are_given_up(self._raster.centres_of(cells)).any())
 
     def is_given_up(self, place: Place) -> bool:
         """Whether a place, or one within half the body's width of it, is given up."""
@@ -241,11 +240,14 @@ class Frontiers:
         owner = np.repeat(np.arange(len(groups)), [len(group.cells) for group in groups])
         is_open = self._raster.passable[self._raster.indices_of(cells)]
         centres, owner = self._raster.centres_of(cells[is_open]), owner[is_open]
-        if self._given_up and len(centres):
-            apart = nearest_points(np.array(list(self._given_up)), centres)
-            is_far = apart > 0.5 * self._width_m
-            centres, owner = centres[is_far], owner[is_far]
-        return centres, owner
+        is_open = ~self._are_given_up(centres)
+        return centres[is_open], owner[is_open]
+
+    def _are_given_up(self, places: FloatArray) -> BoolArray:
+        """Return which places ``(n, 2)``, or ones within half the width of them, are given up."""
+        given_up = np.array(list(self._given_up)).reshape(-1, 2)
+        are: BoolArray = nearest_points(given_up, places) <= 0.5 * self._width_m
+        return are
 
     def _most_central(self, group: FrontierGroup, places: FloatArray) -> Place:
         """Return the place nearest to the centroid of a group."""

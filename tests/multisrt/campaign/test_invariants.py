@@ -955,6 +955,10 @@ def test_a_robot_that_is_called_on_has_not_ended():
     assert not broken(ended, "waits-within-limits")
     on = written([end, called_on], strategy="minpos", end_s=400.0, outcome="out_of_time")
     assert broken(on, "waits-within-limits")
+    # A motion is recorded when it is over, after later events.
+    scan = Sensed(time_s=12.0, robot=0, configuration=(2.5, 1.5, 0.0))
+    late = written([end, scan, called_on], strategy="minpos", end_s=400.0, outcome="out_of_time")
+    assert broken(late, "waits-within-limits")
 
 
 def to_and_fro(laps: int) -> list[Motion]:

@@ -20,6 +20,9 @@ MAX_WALL_FACTOR = 3.0
 RETRY_INTERVAL_S = 0.01
 """Seconds after which an explorer is interrupted again if it caught the interruption."""
 
+WEAK_REFERENCES = ("weakref", "_weakrefset")
+"""The modules of the standard library whose functions are called when an object is gone."""
+
 P = ParamSpec("P")
 T = TypeVar("T")
 
@@ -119,7 +122,7 @@ class Watchdog:
     def _ring(self, _: int, frame: FrameType | None) -> None:
         if not self._armed:
             return
-        if frame is None or frame.f_code.co_filename == __file__ or _collects_garbage(frame):
+        if frame is None or frame.f_code.co_filename == __file__ or _loses_errors(frame):
             signal.setitimer(signal.ITIMER_REAL, RETRY_INTERVAL_S)
             return
         began_cpu_s, began_s = self._began
@@ -135,11 +138,15 @@ class Watchdog:
         raise ComputesTooLong(frame)
 
 
-def _collects_garbage(frame: FrameType) -> bool:
-    # Errors of a callback of the garbage collector, which are functions of libraries, are discarded
-    # with a warning. Those of finalizers are, too, but these may be what takes too long.
+def _loses_errors(frame: FrameType) -> bool:
+    # Errors of a callback of the garbage collection or of a weak reference, which are functions of
+    # libraries, are discarded with a warning. Those of finalizers are, too, but these may be what
+    # takes too long.
     callbacks = [getattr(callback, "__code__", None) for callback in gc.callbacks]
-    return any(caller.f_code in callbacks for caller in _with_callers(frame))
+    return any(
+        caller.f_code in callbacks or caller.f_globals.get("__name__") in WEAK_REFERENCES
+        for caller in _with_callers(frame)
+    )
 
 
 def _compiles(frame: FrameType) -> bool:

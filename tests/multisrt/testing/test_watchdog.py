@@ -2,6 +2,7 @@
 
 import gc
 import time
+import weakref
 from typing import Any
 
 import pytest
@@ -47,5 +48,32 @@ def test_a_callback_of_the_garbage_collection_is_not_interrupted() -> None:
     finally:
         gc.callbacks.remove(callback)
     assert ended
+    assert raised.value.frame is not None
+    assert raised.value.frame.f_code is busy.__code__
+
+
+def test_a_callback_of_a_weak_reference_is_not_interrupted() -> None:
+    """What it raises would be lost, too."""
+    ended = []
+
+    class Key:
+        pass
+
+    class Value:
+        def __del__(self) -> None:
+            busy(0.3)
+            ended.append("value")
+
+    keys = [Key()]
+    values = weakref.WeakKeyDictionary({keys[0]: Value()})
+
+    def drop() -> None:
+        keys.clear()
+        busy(60.0)
+
+    with Watchdog(0.05) as watchdog, pytest.raises(ComputesTooLong) as raised:
+        watchdog.call(drop)
+    assert ended
+    assert not values
     assert raised.value.frame is not None
     assert raised.value.frame.f_code is busy.__code__

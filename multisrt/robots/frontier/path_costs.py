@@ -11,6 +11,7 @@ import numpy as np
 from multisrt.geometry.grids.lengths_between import lengths_between
 from multisrt.geometry.numerics import libm
 from multisrt.geometry.numerics.arrays import BoolArray, FloatArray
+from multisrt.planners.motion.kinematics import Car, Kinematics
 from multisrt.robots.frontier.options import PathCostOptions
 from multisrt.robots.frontier.robot import FrontierRobot
 from multisrt.robots.frontier.wavefront_costs import WavefrontCosts
@@ -118,8 +119,8 @@ def present_goals(robot: FrontierRobot, robots: tuple[int, ...], targets: FloatA
 def first_turns(robot: FrontierRobot, robots: tuple[int, ...], targets: FloatArray) -> FloatArray:
     """Return by how much robots turn towards targets, ``(n, m)`` radians from 0 to pi.
 
-    A robot that drives backwards to save turns turns by at most a right angle. The others are
-    assumed to do as this one does.
+    A robot that can drive backwards and does so to save turns turns by at most a right angle. The
+    others are assumed to do as this one does.
     """
     reports = robot.team.teammates.reports
     x, y, heading = np.array(
@@ -127,6 +128,10 @@ def first_turns(robot: FrontierRobot, robots: tuple[int, ...], targets: FloatArr
     ).T[:, :, None]
     turns = libm.arctan2(targets[:, 1] - y, targets[:, 0] - x) - heading
     smallest: FloatArray = np.abs((turns + math.pi) % (2.0 * math.pi) - math.pi)
-    if robot.options.saves_turns:
+    if robot.options.saves_turns and _can_reverse(robot.me.kinematics):
         smallest = np.minimum(smallest, math.pi - smallest)
     return smallest
+
+
+def _can_reverse(drive: Kinematics) -> bool:
+    return not isinstance(drive, Car) or drive.reverse

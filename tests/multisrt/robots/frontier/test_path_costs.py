@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from multisrt.planners.motion.kinematics import Car, Differential
 from multisrt.robots.frontier.path_costs import first_turns, lengths_among, present_goals
 
 CELL_M = 0.1
@@ -15,7 +16,9 @@ CELL_M = 0.1
 def robot_at(place: tuple[float, float, float], **others: Any) -> Any:
     """A robot, in place of a `FrontierRobot`, with what turns and areas need."""
     return SimpleNamespace(
-        me=SimpleNamespace(robot=0, range_m=4.0),
+        me=SimpleNamespace(
+            robot=0, range_m=4.0, kinematics=others.pop("kinematics", Differential())
+        ),
         at=place,
         options=SimpleNamespace(saves_turns=others.pop("saves_turns", False)),
         team=SimpleNamespace(teammates=SimpleNamespace(reports=others.pop("reports", {}))),
@@ -36,6 +39,13 @@ def test_robots_that_drive_backwards_turn_by_a_right_angle_at_most():
     robot = robot_at((1.0, 1.0, 0.0), saves_turns=True)
     found = first_turns(robot, (0,), TARGETS)
     assert found[0] == pytest.approx([0.0, 0.0, 0.5 * math.pi, 0.25 * math.pi])
+
+
+@pytest.mark.parametrize("reverse", [True, False])
+def test_only_cars_that_drive_backwards_save_turns(reverse: bool):
+    robot = robot_at((1.0, 1.0, 0.0), saves_turns=True, kinematics=Car(reverse=reverse))
+    found = first_turns(robot, (0,), TARGETS)
+    assert found[0, 1] == pytest.approx(0.0 if reverse else math.pi)
 
 
 def test_first_turns_of_others_are_those_of_their_reports():

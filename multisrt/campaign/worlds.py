@@ -303,7 +303,20 @@ def _spiral(chance: Chance) -> Polygon:
     return _part(passage)
 
 
-ODD: Final[dict[str, Callable[[Chance], Polygon]]] = {
+def _areas(chance: Chance) -> BaseGeometry:
+    """Return areas that nothing connects: a room in the block of a court, and at times others."""
+    half_m, wall_m = chance.number(1.5, 3.0), chance.magnitude(0.02, 0.5)
+    room = box(-half_m, -half_m, half_m, half_m)
+    block = room.buffer(wall_m, join_style="mitre")
+    parts = [room, block.buffer(chance.number(0.8, 2.5), join_style="mitre").difference(block)]
+    for _ in range(chance.whole(0, 2)):
+        beside_m = shapely.union_all(parts).bounds[2] + wall_m
+        parts.append(affinity.translate(room, beside_m + half_m, chance.number(-2.0, 2.0)))
+    turned = affinity.rotate(shapely.union_all(parts), chance.number(0.0, 90.0), origin=(0.0, 0.0))
+    return shapely.set_precision(turned, GRID_M)
+
+
+ODD: Final[dict[str, Callable[[Chance], BaseGeometry]]] = {
     "closet": _closet,
     "ring": _ring,
     "comb": _comb,
@@ -312,6 +325,7 @@ ODD: Final[dict[str, Callable[[Chance], Polygon]]] = {
     "star": _star,
     "doors": _doors,
     "spiral": _spiral,
+    "areas": _areas,
 }
 """Worlds with something odd about each, by name."""
 

@@ -73,7 +73,10 @@ class Faults:
         return robot.number in self._pending
 
     def on_setting_out(self, robot: Robot) -> None:
-        """Let a robot that is to die moving die halfway through the motion that it has begun."""
+        """Let a robot that is to die moving die halfway through the motion that it has begun.
+
+        If that ends earlier, it dies there.
+        """
         death = self._pending.get(robot.number)
         motion = robot.motion
         if death is None or death.when != "moving" or motion is None:

@@ -162,7 +162,7 @@ class Interpreter:
                 case Look():
                     outcome = self._sensing.look(robot, self._clock.now_s)
                 case Stop():
-                    outcome = self._motions.end(robot, self._clock.now_s)
+                    outcome = self._stop()
                 case Done():
                     on_call = plain.is_on_call(action, number)
                     self._finish(action)
@@ -203,6 +203,11 @@ class Interpreter:
         )
         return scan
 
+    def _stop(self) -> Moved | None:
+        robot = self._robot
+        self._faults.on_doing(robot, "moving")
+        return None if robot.state == "dead" else self._motions.end(robot, self._clock.now_s)
+
     def _finish(self, done: Done) -> None:
         robot = self._robot
         end = plain.ended(done, robot.number, self._clock.now_s)
@@ -226,6 +231,8 @@ class Interpreter:
             self._faults.on_doing(robot, "waiting")
         try:
             while True:
+                if self._motions.is_stopped(robot):
+                    self._faults.on_doing(robot, "moving")
                 if robot.state == "dead":
                     raise _Terminated
                 if (moved := self._motions.ended(robot)) is not None:

@@ -101,6 +101,11 @@ class Motions:
         self._foresee_others(robot)
         return True
 
+    def is_stopped(self, robot: Robot) -> bool:
+        """Whether a robot that moves is stopped now by its protective stop."""
+        met = None if robot.motion is None else robot.motion.encounter
+        return met is not None and met.kind == "guard" and self._is_now(met)
+
     def ended(self, robot: Robot) -> Moved | None:
         """End a robot's motion if it has arrived or is stopped now.
 
@@ -113,7 +118,7 @@ class Motions:
         if robot.motion is None:
             return None
         now_s, met = self._clock.now_s, robot.motion.encounter
-        if met is not None and met.time_s <= now_s + ROUNDING_S:
+        if met is not None and self._is_now(met):
             if met.kind == "contact":
                 self._collide_with_robot(robot, met)
                 return None
@@ -177,6 +182,9 @@ class Motions:
         return self._traffic.where(robot.number, self._clock.now_s)
 
     # Encounters with other robots --------------------------------------------------------
+
+    def _is_now(self, met: Encounter) -> bool:
+        return met.time_s <= self._clock.now_s + ROUNDING_S
 
     def _foresee_encounter(self, robot: Robot) -> None:
         assert robot.motion is not None

@@ -21,8 +21,9 @@ class Death(Part, frozen=True, kw_only=True, tag_field="fault", tag="death"):
     when : {"any", "moving", "waiting", "master"}
         State in which the robot dies. ``any``: at `time_s`, whatever it does. Otherwise the first
         time from `time_s` on that it moves (immediately if it is moving at `time_s`, else halfway
-        through its next motion), waits, or organises a group as its master (Multi-SRT; after it
-        has recorded `multisrt.events.Organized`, and before it sends its orders).
+        through its next motion, or where that is stopped before), waits, or organises a group as
+        its master (Multi-SRT; after it has recorded `multisrt.events.Organized`, and before it
+        sends its orders).
 
     Examples
     --------

@@ -9,7 +9,7 @@ from typing import Final
 
 from multisrt.campaign.judged_run import ROUNDING_M, ROUNDING_S, JudgedRun
 from multisrt.campaign.violations import Violation
-from multisrt.events import CameBack, Died, FellSilent, Joined, Motion
+from multisrt.events import CameBack, Died, Ended, FellSilent, Joined, Motion, Organized
 from multisrt.spec import Death, LateStart, Silence
 
 NAME: Final = "starts-and-faults"
@@ -23,10 +23,11 @@ def starts_and_faults(run: JudgedRun) -> Violation | None:
 
     A robot with a given start begins there, to 1e-6 m and rad. A robot with a late start is
     switched on at that time. A death occurs at its time or, if it depends on what the robot is
-    doing, later and while the robot does that; a death while moving occurs by the end of the first
-    motion from then on. A radio fails when its silence begins, or when the robot is switched on,
-    and works again when the silence ends, unless another one continues. Faults due at the end of
-    the run, or at the death of the robot, may have occurred or not.
+    doing, later and while the robot does that: by the end of the first motion from then on, when
+    the robot first stands still before it ends, or when it next organises a group. A radio fails
+    when its silence begins, or when the robot is switched on, and works again when the silence
+    ends, unless another one continues. Faults due at the end of the run, or at the death of the
+    robot, may have occurred or not.
 
     Cost: negligible.
     """
@@ -85,14 +86,36 @@ def _deaths(run: JudgedRun) -> Iterator[Said]:
 
 def _dies_by_s(run: JudgedRun, death: Death) -> float:
     """Return the time by which a death must have occurred, as far as the record tells."""
-    if death.when == "any":
-        return death.time_s
-    if death.when != "moving":
-        return math.inf
-    ends = (
-        event.waypoints[-1][0] for event in run.recording.of(Motion) if event.robot == death.robot
+    match death.when:
+        case "any":
+            return death.time_s
+        case "moving":
+            times_s = (end_s for _, end_s in _motions(run, death.robot))
+        case "waiting":
+            return _waits_at_s(run, death)
+        case "master":
+            times_s = (e.time_s for e in run.recording.of(Organized) if e.robot == death.robot)
+    return min((t for t in times_s if t > death.time_s + ROUNDING_S), default=math.inf)
+
+
+def _waits_at_s(run: JudgedRun, death: Death) -> float:
+    """Return when a robot first stands still from the time of a death on, before it ends."""
+    ends_s = min(
+        (e.time_s for e in run.recording.of(Ended) if e.robot == death.robot), default=math.inf
     )
-    return min((end_s for end_s in ends if end_s > death.time_s + ROUNDING_S), default=math.inf)
+    time_s = max(death.time_s, run.present_s(death.robot)[0])
+    for begin_s, end_s in sorted(_motions(run, death.robot)):
+        if begin_s > time_s + ROUNDING_S:
+            break
+        time_s = max(time_s, end_s)
+    return time_s if time_s < ends_s - ROUNDING_S else math.inf
+
+
+def _motions(run: JudgedRun, robot: int) -> Iterator[tuple[float, float]]:
+    """Yield when motions of a robot begin and end, in seconds."""
+    for event in run.recording.of(Motion):
+        if event.robot == robot:
+            yield event.waypoints[0][0], event.waypoints[-1][0]
 
 
 def _silences(run: JudgedRun) -> Iterator[Said]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from bisect import bisect_right
 from collections.abc import Iterator
-from operator import itemgetter
 from typing import Final
 
 from multisrt.campaign.judged_run import JudgedRun
@@ -163,7 +162,7 @@ def _tried(run: JudgedRun, team: list[int], begin_s: float, end_s: float) -> flo
 
 def _spells(run: JudgedRun, team: list[int]) -> Iterator[tuple[float, float]]:
     """Yield the intervals between events in which a robot waits."""
-    steps = sorted({0.0, *_happenings(run, team)})
+    steps = sorted({0.0, *_happenings(run, team), *_ends(run, team)})
     last_s = steps[0]
     for time_s in (*steps[1:], run.end_s):
         if time_s > last_s and _not_ended(run, team, last_s):
@@ -181,7 +180,7 @@ def _happenings(run: JudgedRun, team: list[int]) -> Iterator[float]:
                 begin_s, end_s = event.waypoints[0][0], event.waypoints[-1][0]
                 steps = max(1, math.ceil((end_s - begin_s) / 10.0))
                 yield from (begin_s + k / steps * (end_s - begin_s) for k in range(steps + 1))
-            case NodeAdded() | Learned() | Ended() | PresumedLost() | Organized():
+            case NodeAdded() | Learned() | PresumedLost() | Organized():
                 if event.robot in team:
                     yield event.time_s
     for fault in run.recording.spec.faults:
@@ -200,7 +199,7 @@ def _leads_on(motion: Motion) -> bool:
 
 def _not_ended(run: JudgedRun, team: list[int], time_s: float) -> list[int]:
     """Return the robots that are active after a time and have not ended by then."""
-    changes = run.once("ends and motions", lambda: _ends_and_motions(run))
+    changes = _changes(run)
     found = []
     for robot in team:
         on_s, dead_s = run.present_s(robot)
@@ -211,15 +210,38 @@ def _not_ended(run: JudgedRun, team: list[int], time_s: float) -> list[int]:
     return found
 
 
-def _ends_and_motions(run: JudgedRun) -> list[tuple[list[float], list[bool]]]:
+def _ends(run: JudgedRun, team: list[int]) -> Iterator[float]:
+    """Yield when robots ended, for the first time or again."""
+    changes = _changes(run)
+    for robot in team:
+        yield from (time_s for time_s, has_ended in zip(*changes[robot], strict=True) if has_ended)
+
+
+def _changes(run: JudgedRun) -> list[tuple[list[float], list[bool]]]:
     """Return for each robot when it ended or began to move, and whether it ended then.
 
-    A robot that moves after it ended was called on. Motions are recorded when they are over.
+    A robot that moves after it ended was called on. If it ends as before, that is not recorded
+    again, but that it chooses nothing is.
     """
-    changes: list[list[tuple[float, bool]]] = [[] for _ in run.robots]
-    for event in run.recording.events:
-        if isinstance(event, Ended | Motion):
-            changes[event.robot].append((event.time_s, isinstance(event, Ended)))
-    for change in changes:
-        change.sort(key=itemgetter(0))
-    return [([t for t, _ in change], [ended for _, ended in change]) for change in changes]
+    return run.once("ends and motions", lambda: [_changes_of(run, robot) for robot in run.robots])
+
+
+def _changes_of(run: JudgedRun, robot: int) -> tuple[list[float], list[bool]]:
+    told = sorted(
+        (
+            event
+            for event in run.recording.events  # motions are recorded when they are over
+            if isinstance(event, Ended | Motion | GoalChosen) and event.robot == robot
+        ),
+        key=lambda event: event.time_s,
+    )
+    times_s: list[float] = []
+    have_ended: list[bool] = []
+    for event in told:
+        if isinstance(event, GoalChosen):
+            ends_again = event.goal is None and True in have_ended and not have_ended[-1]
+            if not ends_again:
+                continue
+        times_s.append(event.time_s)
+        have_ended.append(not isinstance(event, Motion))
+    return times_s, have_ended

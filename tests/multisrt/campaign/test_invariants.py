@@ -28,6 +28,7 @@ from multisrt.events import (
     Learned,
     Motion,
     NodeAdded,
+    Organized,
     Sensed,
     Sent,
 )
@@ -353,6 +354,22 @@ AT = (1.0, 1.0, 0.5)
 TURN = drive(0, (4.0, *AT), (5.0, 1.0, 1.0, 1.0))
 
 
+ENDED = Ended(time_s=5.0, robot=0, reason="done", complete=True, frontier=())
+
+
+def organized(time_s: float) -> Organized:
+    return Organized(
+        time_s=time_s,
+        robot=0,
+        feasible=(),
+        unfeasible=(),
+        before={},
+        after={},
+        orders={},
+        conflicts=(),
+    )
+
+
 def died(time_s: float, doing: str = "waiting") -> Died:
     return Died(time_s=time_s, robot=0, configuration=AT, doing=doing)  # type: ignore[arg-type]
 
@@ -371,8 +388,19 @@ def died(time_s: float, doing: str = "waiting") -> Died:
         (None, (Death(robot=0, time_s=3.0),), [], "does not die, 3.00 s"),
         (None, (Death(robot=0, time_s=3.0),), [died(4.0)], "does not die, 3.00 s"),
         (None, (Death(robot=0, time_s=3.0),), [died(2.0)], "which is not due"),
-        (None, (Death(robot=0, time_s=3.0, when="waiting"),), [died(4.0)], ""),
-        (None, (Death(robot=0, time_s=3.0, when="waiting"),), [], ""),
+        (None, (Death(robot=0, time_s=3.0, when="waiting"),), [died(3.0)], ""),
+        (None, (Death(robot=0, time_s=3.0, when="waiting"),), [], "does not die, 3.00 s"),
+        (None, (Death(robot=0, time_s=4.5, when="waiting"),), [TURN, died(5.0)], ""),
+        (None, (Death(robot=0, time_s=4.5, when="waiting"),), [TURN], "does not die, 5.00 s"),
+        (None, (Death(robot=0, time_s=4.5, when="waiting"),), [TURN, ENDED], ""),
+        (
+            None,
+            (Death(robot=0, time_s=3.0, when="master"),),
+            [organized(4.0), died(4.0, "master")],
+            "",
+        ),
+        (None, (Death(robot=0, time_s=3.0, when="master"),), [organized(2.0)], ""),
+        (None, (Death(robot=0, time_s=3.0, when="master"),), [organized(4.0)], "not die, 4.00 s"),
         (None, (Death(robot=0, time_s=3.0, when="moving"),), [died(4.0)], "was to die moving"),
         (None, (Death(robot=0, time_s=3.0, when="moving"),), [], ""),
         (None, (Death(robot=0, time_s=3.0, when="moving"),), [TURN], "does not die, 5.00 s"),
@@ -959,6 +987,14 @@ def test_a_robot_that_is_called_on_has_not_ended():
     scan = Sensed(time_s=12.0, robot=0, configuration=(2.5, 1.5, 0.0))
     late = written([end, scan, called_on], strategy="minpos", end_s=400.0, outcome="out_of_time")
     assert broken(late, "waits-within-limits")
+    # It ends again as before, which is not recorded.
+    nothing = GoalChosen(time_s=12.0, robot=0, rule="minpos", because="gave way", goal=None)
+    again = written(
+        [end, called_on, nothing], strategy="minpos", end_s=400.0, outcome="out_of_time"
+    )
+    assert not broken(again, "waits-within-limits")
+    chooses = written([called_on, nothing], strategy="minpos", end_s=400.0, outcome="out_of_time")
+    assert broken(chooses, "waits-within-limits")
 
 
 def to_and_fro(laps: int) -> list[Motion]:

@@ -24,6 +24,7 @@ from multisrt.robots.explorer import (
     Received,
     Send,
     Sense,
+    Stop,
     TimedOut,
 )
 from multisrt.spec import Death, LateStart, RadioSpec, Silence
@@ -125,6 +126,39 @@ def test_a_death_while_moving_strikes_a_moving_robot_at_once(play, straight, eve
     )
     (died,) = events_of(recording, Died)
     assert (died.time_s, died.configuration) == (1.0, (1.5, 1.0, 0.0))
+
+
+def test_a_death_while_moving_strikes_where_the_protective_stop_ends_the_motion(
+    play, straight, events_of
+):
+    # It sets out at 1 s for 14 s, and has 4 m less two radii and the guard to the other.
+    recording, _ = play(
+        [Receive(1.0), straight(1, 3, 8, 3, guard_m=0.5), END],
+        [END],
+        starts=[(1.0, 3.0), (4.0, 3.0)],
+        faults=[Death(robot=0, time_s=0.5, when="moving")],
+    )
+    (died,) = events_of(recording, Died)
+    assert died.doing == "moving"
+    assert 1.0 < died.time_s < 8.0
+    assert not events_of(recording, Blocked)
+
+
+def test_a_death_while_moving_strikes_where_the_robot_stops(play, straight, call, events_of):
+    def explorer():
+        yield Receive(1.0)
+        yield straight(1, 1, 3, 1, listen=True)
+        yield Stop()
+        yield END
+
+    def other():
+        yield Receive(2.0)
+        yield Send(call(sender=1))
+        yield END
+
+    recording, _ = play(explorer, other, faults=[Death(robot=0, time_s=0.5, when="moving")])
+    (died,) = events_of(recording, Died)
+    assert (died.time_s, died.doing, died.configuration) == (2.0, "moving", (1.5, 1.0, 0.0))
 
 
 def test_a_death_while_waiting_waits_for_the_next_wait(play, straight, events_of):

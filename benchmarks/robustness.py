@@ -1,8 +1,8 @@
 """Outcomes of teams with faults: ``python -m benchmarks.robustness robustness robustness.sqlite``.
 
 Prints in Markdown a row for every strategy of the experiment `examples/robustness.toml`, or
-`examples/robustness_news.toml` for ``robustness_news``, and the reasons of runs that were not
-complete. Of several files, each may have some of the strategies. The exit code is 1 if any run
+`examples/robustness_returning.toml` for ``robustness_returning``, and the reasons of runs that were
+not complete. Of several files, each may have some of the strategies. The exit code is 1 if any run
 collided, ran out of time or did not end.
 """
 
@@ -23,7 +23,7 @@ from multisrt.recording.files import atomic_write
 
 TITLES: Final = {
     "robustness": "Teams whose robots die, fall silent or start late",
-    "robustness_news": "Teams that return data, whose robots die, fall silent or start late",
+    "robustness_returning": "Teams that return data, whose robots die, fall silent or start late",
 }
 """Titles of the pages, by experiment."""
 

@@ -51,9 +51,9 @@ def results(*, delivered, status="complete"):
 
 
 def test_what_is_delivered_is_told_where_there_is_a_base_station():
-    lines = "\n".join(page(results(delivered=0.5), "robustness_news")).splitlines()
+    lines = "\n".join(page(results(delivered=0.5), "robustness_returning")).splitlines()
     assert lines[0].startswith("# Teams that return data")
-    assert "examples/robustness_news.toml" in lines[2]
+    assert "examples/robustness_returning.toml" in lines[2]
     [row] = [line for line in lines if line.startswith("| relays")]
     cells = [cell.strip() for cell in row.strip("|").split("|")]
     assert cells == ["relays", "2", "2", "0", "0", "0", "0.125", *["0.750"] * 3, "0.500", "2.0"]

@@ -8,7 +8,7 @@ import shapely
 import multisrt as ms
 from multisrt.environments.environment import Environment
 
-PAGE = (Path(__file__).parents[2] / "docs/news.md").read_text()
+PAGE = (Path(__file__).parents[2] / "docs/returning-data.md").read_text()
 
 CORRIDOR = Environment("corridor", shapely.box(0, 0, 60, 1.2))
 

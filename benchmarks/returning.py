@@ -1,8 +1,8 @@
-"""How much a base station learns by each mode of ``home``: ``python -m benchmarks.news runs.csv``.
+"""How much a base station learns by each mode of ``home``.
 
-Makes the runs that the table lacks, and prints in Markdown what was delivered: in three buildings,
-under a radio that walls block, from starts beside a base station that are drawn anew for each
-repetition.
+``python -m benchmarks.returning runs.csv`` makes the runs that the table lacks, and prints in
+Markdown what was delivered: in three buildings, under a radio that walls block, from starts beside
+a base station that are drawn anew for each repetition.
 """
 
 from __future__ import annotations
@@ -30,8 +30,8 @@ Makes the runs that the table lacks, and prints in Markdown what was delivered. 
 about half an hour on one core; after an interruption the same command goes on."""
 
 EXAMPLES: Final = """
-out/news.csv
-out/news.csv --repetitions 3
+out/returning.csv
+out/returning.csv --repetitions 3
 """.strip()
 
 WORLDS: Final = ("office", "hospital", "library")
@@ -143,7 +143,7 @@ def rows(runs: pd.DataFrame) -> list[tuple[str, ...]]:
 
 def main() -> None:
     """Make the runs that the table lacks, and print the page."""
-    parser = parser_of("benchmarks.news", ABOUT, EXAMPLES)
+    parser = parser_of("benchmarks.returning", ABOUT, EXAMPLES)
     parser.add_argument(
         "table", type=Path, metavar="TABLE", help="CSV file with a row for every run"
     )

@@ -65,10 +65,10 @@ MUTANTS: Final = (
     ),
     Mutant(
         name="complete-too-early",
-        breaks="Bidding robots leave frontiers of three times their width, and say complete.",
+        breaks="Robots leave frontiers of three times their width, and say complete.",
         file="robots/frontier/robot.py",
-        old="Frontiers(raster, width_m, width_m if least_m is None else least_m)",
-        new="Frontiers(raster, width_m, 3.0 * width_m if least_m is None else least_m)",
+        old="Frontiers(raster, width_m, options.min_frontier_m)",
+        new="Frontiers(raster, width_m, options.min_frontier_m or 3.0 * width_m)",
     ),
     Mutant(
         name="option-ignored",

@@ -241,7 +241,7 @@ def require_resolution(
     resolution_m: float | None,
     *,
     unit: str = "cell",
-    least_m: float = SLIVER_WIDTH_M,
+    min_m: float = SLIVER_WIDTH_M,
 ) -> float:
     """Return the metres per pixel, cell or unit of a drawing, for a file without a scale.
 
@@ -253,7 +253,7 @@ def require_resolution(
         The option of the reader.
     unit : str
         What the resolution is the size of, for messages.
-    least_m : float
+    min_m : float
         Minimum in metres; by default 1 mm, the width below which space is not free.
 
     Raises
@@ -268,12 +268,12 @@ def require_resolution(
         )
     resolution_m = require_number(path, "resolution", resolution_m)
     return require_length(
-        str(path), "the resolution", resolution_m, unit=f"m per {unit}", least_m=least_m
+        str(path), "the resolution", resolution_m, unit=f"m per {unit}", min_m=min_m
     )
 
 
 def require_length(
-    place: str, what: str, length_m: float, *, unit: str = "m", least_m: float = MIN_LENGTH_M
+    place: str, what: str, length_m: float, *, unit: str = "m", min_m: float = MIN_LENGTH_M
 ) -> float:
     """Return a length of a map that others are multiplied with or divided by.
 
@@ -287,7 +287,7 @@ def require_length(
         The length in metres.
     unit : str
         Its unit, for messages, such as ``"m per cell"``.
-    least_m : float
+    min_m : float
         Minimum in metres.
 
     Raises
@@ -304,10 +304,10 @@ def require_length(
     multisrt.geometry.errors.MapFormatError: hall.yaml: the resolution is 1e+308 m per cell; \
 it must be a finite number, at least 1e-06 and at most 1e+07 m
     """
-    if not least_m <= length_m <= MAX_COORDINATE_M:
+    if not min_m <= length_m <= MAX_COORDINATE_M:
         raise MapFormatError(
             f"{place}: {what} is {length_m:g} {unit}; it must be a finite number, at least "
-            f"{least_m:g} and at most {MAX_COORDINATE_M:g} m"
+            f"{min_m:g} and at most {MAX_COORDINATE_M:g} m"
         )
     return length_m
 

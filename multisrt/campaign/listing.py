@@ -25,7 +25,7 @@ OWN: Final = MappingProxyType(
 """Invariants that are checked while a run is executed; the others are checked on its recording."""
 
 
-def demands() -> dict[str, str]:
+def descriptions() -> dict[str, str]:
     """Return the description of each invariant, by name: the first line of its docstring.
 
     Returns
@@ -35,14 +35,14 @@ def demands() -> dict[str, str]:
 
     Examples
     --------
-    >>> demands()["no-error"]
+    >>> descriptions()["no-error"]
     'The run raises no error and does not terminate its process.'
     """
-    judged = {name: _demanded(invariant.__doc__ or "") for name, invariant in INVARIANTS.items()}
+    judged = {name: _description(invariant.__doc__ or "") for name, invariant in INVARIANTS.items()}
     return {**OWN, **{name: text for name, text in judged.items() if name not in OWN}}
 
 
-def _demanded(doc: str) -> str:
+def _description(doc: str) -> str:
     """Return the description in the first line of a docstring, without "Check that"."""
     text = doc.strip().partition("\n")[0].removeprefix("Check that ")
     return text[:1].upper() + text[1:]
@@ -55,7 +55,7 @@ def require_invariant(name: str) -> None:
     --------
     >>> require_invariant("no-error")
     """
-    if name not in (known := demands()):
+    if name not in (known := descriptions()):
         raise InvalidInputError(
             f"there is no invariant {shown(name)}{did_you_mean(name, known)}; "
             "'multisrt campaign invariants' lists them"

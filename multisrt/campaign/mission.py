@@ -25,8 +25,8 @@ from multisrt.spec import RunSpec
 NO_ERROR, ENDS, JUDGED = "no-error", "ends", "can-be-judged"
 """Names of the invariants that are judged here."""
 
-STEPS_AT_LEAST: Final = 20_000
-STEPS_EACH_S: Final = 100
+MIN_STEPS: Final = 20_000
+STEPS_PER_ROBOT_S: Final = 100
 """Maximum number of events of the clock: in any run, and added for each robot and second."""
 
 MAX_TEXT: Final = 400
@@ -181,7 +181,7 @@ def max_steps(spec: RunSpec) -> int:
     >>> max_steps(ms.RunSpec(environment=ms.CatalogEnvironment(name="open"), stop=stop))
     30000
     """
-    return STEPS_AT_LEAST + int(STEPS_EACH_S * len(spec.robots) * spec.stop.max_time_s)
+    return MIN_STEPS + int(STEPS_PER_ROBOT_S * len(spec.robots) * spec.stop.max_time_s)
 
 
 def _judged(setup: SetUp, begin_s: float) -> Judged:

@@ -321,11 +321,11 @@ def invariants() -> None:
     Examples:
       multisrt campaign invariants
     """
-    from multisrt.campaign.listing import demands
+    from multisrt.campaign.listing import descriptions
     from multisrt.cli.tables import show, table
 
     made = table("invariant", "description")
-    for name, text in demands().items():
+    for name, text in descriptions().items():
         made.add_row(name, text)
     show(made)
 

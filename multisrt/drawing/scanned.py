@@ -82,9 +82,9 @@ def rings_of(raster: Occupancy, mask: BoolArray) -> list[FloatArray]:
     return _rings(raster, np.argwhere(mask) + np.array([raster.row, raster.column]))
 
 
-def frontier_left(raster: Occupancy, least_m: float) -> list[FloatArray]:
-    """Return the rings around reachable frontier groups of at least `least_m` metres."""
-    groups = [group for group in raster.frontier_groups(least_m) if group.target is not None]
+def frontier_left(raster: Occupancy, min_frontier_m: float) -> list[FloatArray]:
+    """Return the rings around reachable frontier groups of at least `min_frontier_m` metres."""
+    groups = [group for group in raster.frontier_groups(min_frontier_m) if group.target is not None]
     return [ring for group in groups for ring in _rings(raster, group.cells)]
 
 

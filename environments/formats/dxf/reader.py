@@ -179,7 +179,7 @@ def _metres_per_unit(path: Path, drawing: Drawing, resolution_m: float | None) -
         unit = InsertUnits(int(drawing.header.get("$INSUNITS", 0)))
         if unit is not InsertUnits.Unitless:
             resolution_m = float(units.conversion_factor(unit, InsertUnits.Meters))
-    return require_resolution(path, resolution_m, unit="drawing unit", least_m=MIN_RESOLUTION_M)
+    return require_resolution(path, resolution_m, unit="drawing unit", min_m=MIN_RESOLUTION_M)
 
 
 def _has_names(parts: list[Part]) -> bool:

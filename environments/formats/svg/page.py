@@ -116,7 +116,7 @@ def page_of(document: Document, resolution_m: float | None) -> Page:
         frame = _frame(document, w, h)
         placed = libm.product(_flipped(h), inner)
         return Page(root, placed, viewport, frame, _PX_M, "at its own size")
-    scale = require_resolution(path, resolution_m, unit="user unit", least_m=MIN_RESOLUTION_M)
+    scale = require_resolution(path, resolution_m, unit="user unit", min_m=MIN_RESOLUTION_M)
     said = f"at {scale:g} m per user unit"
     if box is None and (px[0] is None or px[1] is None):
         return Page(root, np.diag([scale, -scale, 1.0]), (0.0, 0.0), None, scale, said)

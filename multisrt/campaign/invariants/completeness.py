@@ -119,11 +119,11 @@ def complete_is_complete(run: JudgedRun) -> Violation | None:
 
     Also ignored are unknown parts of less than 0.05 m2; with stars and balls, places within
     `contact_tolerance_m` of a wall; with a laser, places so close to a wall that its beams omit
-    them. These are not checked: cars, whose turns are not computed here and which give up places
-    to which they find no path; bidding robots with `shape=ball`, which drive within the last ball
-    and give up all goals if it is as small as the distance to a wall; SRT with `gaps_count=false`,
-    which leaves gaps on purpose; and robots with so few beams that the free space that they show
-    is no larger than the body and its distance from walls.
+    them. These are not checked: cars, whose turns are not computed here and which give up places to
+    which they find no path; robots that go to frontiers with `shape=ball`, which drive within the
+    last ball and give up all goals if it is as small as the distance to a wall; SRT with
+    `gaps_count=false`, which leaves gaps on purpose; and robots with so few beams that the free
+    space that they show is no larger than the body and its distance from walls.
 
     Cost: a few overlays for each such robot.
     """
@@ -142,16 +142,16 @@ def boxed_in_is_boxed_in(run: JudgedRun) -> Violation | None:
     """Check that a robot that reports being boxed in cannot reach a frontier past other bodies.
 
     As for `complete_is_complete`, with the bodies of all other robots as obstacles: at all places
-    where they were during the time for which the robot may have assumed them to be there (1.5
-    times `body_stays_s` for bidding robots, 30 s for SRT), enlarged by the distance of the
+    where they were during the time for which the robot may have assumed them to be there (1.5 times
+    `body_stays_s` for robots that go to frontiers, 30 s for SRT), enlarged by the distance of the
     protective stop and a tolerance of 0.05 m or two cells. A robot of the SRT family that reports
     bodies in the way to some frontier may assume the bodies, too, of the times at which it found
     arcs blocked, because it does not return there to see whether they have left; it is not checked
     if it stands so near to a body that all of its paths begin too near to it. Robots that ended
     because they and others failed too often to let each other pass (`max_jams`; SRT:
     `gives_up_after`) may have a path, and are not checked. Nor are robots that are boxed in at
-    their start, which they have not left, where the region of their first scan has less room
-    around them than they keep.
+    their start, which they have not left, where the region of their first scan has less room around
+    them than they keep.
 
     Cost: a few overlays for each such robot.
     """
@@ -298,10 +298,10 @@ def reach_of(run: JudgedRun, robot: int) -> Reach:
             scrap_m=SRT_SCRAP_M,
             blind_m=blind_m,
             sees_m=finder.range_m - SRT_LEAST_M,
-            least_m=width_m + SRT_LEAST_M,
+            min_frontier_m=width_m + SRT_LEAST_M,
             is_ball=run.recording.spec.strategy == "srt-ball",
         )
-    cell_m, least_m = options["cell_m"], options["min_frontier_m"]
+    cell_m, min_frontier_m = options["cell_m"], options["min_frontier_m"]
     return Reach(
         # What a laser takes for a wall narrows passages on the raster.
         off_walls_m=body.circumscribed_m + options["margin_m"] + 2.0 * cell_m + blind_m,
@@ -309,7 +309,8 @@ def reach_of(run: JudgedRun, robot: int) -> Reach:
         scrap_m=cell_m,
         blind_m=blind_m and blind_m + cell_m,
         sees_m=min(3.0 * cell_m, finder.range_m),
-        least_m=math.sqrt(2.0) * (width_m if least_m is None else least_m) + CELLS_BEYOND * cell_m,
+        min_frontier_m=math.sqrt(2.0) * (width_m if min_frontier_m is None else min_frontier_m)
+        + CELLS_BEYOND * cell_m,
     )
 
 

@@ -67,7 +67,7 @@ class Reach:
         Places closer to a wall may appear as wall to it; 0 for an exact range finder.
     sees_m : float
         Distance from which it looks at a frontier.
-    least_m : float
+    min_frontier_m : float
         Shorter frontiers do not count.
     is_ball : bool
         Whether its regions are balls: from a place it sees no farther than the next wall.
@@ -78,7 +78,7 @@ class Reach:
     scrap_m: float
     blind_m: float
     sees_m: float
-    least_m: float
+    min_frontier_m: float
     is_ball: bool = False
 
 
@@ -204,7 +204,7 @@ def _seen(
     area_m2: float,
 ) -> list[OpenFrontier]:
     # The longest run of points of a stretch that are in sight of the places next to them.
-    if stretch.length < reach.least_m:
+    if stretch.length < reach.min_frontier_m:
         return []
     count = max(2, math.ceil(stretch.length / SPACING_M))
     shares = (np.arange(count) + 0.5) / count
@@ -216,7 +216,7 @@ def _seen(
         is_seen &= lengths <= shapely.distance(shapely.get_point(sights, -1), space.boundary)
     begin, length = _longest_run(is_seen)
     length_m = length / count * float(stretch.length)
-    if length_m < reach.least_m:
+    if length_m < reach.min_frontier_m:
         return []
     middle = begin + length // 2
     ends: FloatArray = shapely.get_coordinates(sights[middle])

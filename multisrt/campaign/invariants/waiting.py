@@ -47,13 +47,13 @@ def waits_within_limits(run: JudgedRun) -> Violation | None:
     An idle period is a time in which at least one robot has neither ended nor died, and no active
     robot moves by more than 1e-3 m or rad, adds or learns a node, or ends, and no fault occurs. It
     may be 1.5 times as long as all waiting times of the strategy's options added up, plus 30 s,
-    plus a pause and a query for each request to give way in it, and for each goal that is chosen
-    in it a pause and the time after which a robot that makes no progress by the nearness diagram
-    follows its path. This also holds for robots that wait for a dead one. For bidding robots that
-    do not form pairs or chains and do not pursue each other, it holds for each robot separately,
-    whatever the others do; robots of the SRT family may wait for the end of others. A run that its
-    stop rule ended because nothing new came is a violation if the allowed time is shorter than the
-    time of the stop rule.
+    plus a pause and a query for each request to give way in it, and for each goal that is chosen in
+    it a pause and the time after which a robot that makes no progress by the nearness diagram
+    follows its path. This also holds for robots that wait for a dead one. For robots that go to
+    frontiers, and do not form pairs or chains and do not pursue each other, it holds for each robot
+    separately, whatever the others do; robots of the SRT family may wait for the end of others. A
+    run that its stop rule ended because nothing new came is a violation if the allowed time is
+    shorter than the time of the stop rule.
 
     Cost: negligible.
     """

@@ -251,11 +251,11 @@ def _actors(
     goals = _goals(recording, pace)
     spells = activities(recording, environment)
     ways = ways_of(recording, WAY_TOLERANCE_PX / layout.scale)
-    least_m = MIN_BODY_PX * layout.unit / layout.scale
+    min_body_m = MIN_BODY_PX * layout.unit / layout.scale
     actors = []
     for robot, spec in enumerate(recording.spec.robots):
         body = Footprint.parse(spec.footprint)
-        larger = max(1.0, least_m / body.circumscribed_radius_m)
+        larger = max(1.0, min_body_m / body.circumscribed_radius_m)
         actors.append(
             Actor(
                 way=ways[robot],

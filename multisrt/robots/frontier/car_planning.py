@@ -285,10 +285,10 @@ def ends_of(points: FloatArray, rings: FloatArray, radius_m: float) -> list[End]
     radius_m : float
         Radius in metres of the disc that must fit there.
     """
-    least_m = min(MIN_LENGTH_M, float(points[-1, 3]))
+    min_m = min(MIN_LENGTH_M, float(points[-1, 3]))
     ends: list[End] = []
     for x, y, heading, along in points[::-1].tolist():
-        if along < least_m or (ends and ends[-1][3] - along < SPACING_M):
+        if along < min_m or (ends and ends[-1][3] - along < SPACING_M):
             continue
         if inside(rings, x, y) and disc_clearance(rings, x, y) >= radius_m:
             ends.append((x, y, heading, along))

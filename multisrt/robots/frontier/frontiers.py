@@ -23,14 +23,16 @@ class Frontiers:
         The raster.
     width_m : float
         Width of the body in metres.
-    min_length_m : float
-        Groups of frontier cells that are shorter than this are dropped.
+    min_length_m : float or None
+        Groups of frontier cells that are shorter than this are dropped; by default, than the width.
     """
 
-    def __init__(self, raster: Occupancy, width_m: float, min_length_m: float) -> None:
+    def __init__(
+        self, raster: Occupancy, width_m: float, min_length_m: float | None = None
+    ) -> None:
         self._raster = raster
         self._width_m = width_m
-        self._min_length_m = min_length_m
+        self._min_length_m = width_m if min_length_m is None else min_length_m
         self._given_up: dict[Place, None] = {}
         # Places to which a car found no path, with the revision of the raster by which it did, and
         # the robots whose bodies it had to drive round.

@@ -107,11 +107,10 @@ class FrontierRobot:
         self._not_mapped: Scan | None = None
         # Legs are planned for this disc: see `driven_body`.
         self._disc = PlanningBody(Footprint.disc(self.body.outer_radius_m), 0.5 * options.margin_m)
-        least_m = options.min_frontier_m
         self.course = Course(me.start, me.time_s)
         self.map = ScanMap(me.robot, raster, options.shape, options.cones)
         self.bodies = Bodies(self.course, self.map)
-        self.frontiers = Frontiers(raster, width_m, width_m if least_m is None else least_m)
+        self.frontiers = Frontiers(raster, width_m, options.min_frontier_m)
         self.path_finder = PathFinder(self.body, options, self.course, self.map, self.bodies)
         self.team = Team(me, options, self.course, self.map, self.bodies, self.frontiers)
         self.homing = (

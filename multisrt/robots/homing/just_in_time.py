@@ -128,14 +128,14 @@ class JustInTime:
     def _require_time(self, me: RobotSelf) -> None:
         assert me.base is not None
         away_m = math.dist(me.start[:2], me.base)
-        least_m = max(0.0, away_m - me.radio.range_m)
-        short_s = -self.slack_s(me.time_s, least_m)
+        shortest_m = max(0.0, away_m - me.radio.range_m)
+        short_s = -self.slack_s(me.time_s, shortest_m)
         if short_s > 0.0:
             needed_s = math.ceil(self.limit_s + short_s)
             raise LimitTooShortError(
                 f"the time limit of {self.limit_s:g} s is too short to deliver data: robot "
                 f"{me.robot} begins at {me.time_s:g} s, {away_m:.3g} m from the base station, and "
-                f"takes {self.travel_time_s(least_m):.3g} s to where it is heard and "
+                f"takes {self.travel_time_s(shortest_m):.3g} s to where it is heard and "
                 f"{self.reserve_s:.3g} s in reserve; give a limit (max_time_s, --max-time) of at "
                 f"least {needed_s} s, or less home_reserve_s",
                 needed_s,

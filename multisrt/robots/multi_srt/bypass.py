@@ -273,9 +273,9 @@ class _Grid:
         near = np.hypot(*(places - (x, y)).T) <= within_m
         known = self._map.known_space(x, y, within_m + self._body.outer_radius_m)
         radius_m = self._body.roomy_radius_m
-        least_m = np.full(len(places), radius_m + BEYOND_CELLS * self.cell_m)
-        least_m[0] = radius_m
-        lacks_m = (least_m - known.clearances(places, float(least_m[-1])))[near]
+        required_m = np.full(len(places), radius_m + BEYOND_CELLS * self.cell_m)
+        required_m[0] = radius_m
+        lacks_m = (required_m - known.clearances(places, float(required_m[-1])))[near]
         tight = lacks_m > 0.0
         for (row, column), lack_m in zip(
             np.vstack([cells[:1], cells])[near][tight].tolist(),

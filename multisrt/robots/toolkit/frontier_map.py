@@ -132,9 +132,8 @@ class FrontierMap:
     ) -> None:
         self.raster: Occupancy = raster_for(me.footprint, cell_m, margin_m, me.robot)
         width_m = me.footprint.width_m
-        least_m = width_m if min_frontier_m is None else min_frontier_m
         self._map = ScanMap(me.robot, self.raster, shape, cones)
-        self._frontiers = Frontiers(self.raster, width_m, least_m)
+        self._frontiers = Frontiers(self.raster, width_m, min_frontier_m)
         self._fields = DistanceFields(self.raster)
         self._radius_m = me.footprint.circumscribed_radius_m
         # Fields past bodies, by the cell that they begin at; None while no body is in the way.

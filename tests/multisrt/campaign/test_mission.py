@@ -96,8 +96,8 @@ def test_what_is_recorded_of_a_run_that_fails_is_kept(own):
 
 @pytest.mark.parametrize("way", ["wait", "note"])
 def test_a_run_without_end_is_a_violation(own, way, monkeypatch):
-    monkeypatch.setattr(mission, "STEPS_AT_LEAST", 50)
-    monkeypatch.setattr(mission, "STEPS_EACH_S", 0)
+    monkeypatch.setattr(mission, "MIN_STEPS", 50)
+    monkeypatch.setattr(mission, "STEPS_PER_ROBOT_S", 0)
     verdict = judge(own(way))
     assert verdict.outcome == "endless"
     assert verdict.violations[0].invariant == "ends"

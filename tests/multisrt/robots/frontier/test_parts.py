@@ -168,7 +168,7 @@ def test_there_is_no_field_far_from_all_passable_cells():
 
 def frontiers_of(*places):
     made = map_of(*places)
-    return Frontiers(made.raster, WIDTH_M, WIDTH_M), made.raster
+    return Frontiers(made.raster, WIDTH_M), made.raster
 
 
 def test_there_is_a_target_for_every_group():

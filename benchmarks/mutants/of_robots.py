@@ -26,6 +26,20 @@ MUTANTS: Final = (
         new="    for i in list(prospects)[1:]:\n        grants.orders.setdefault(",
     ),
     Mutant(
+        name="gives-up-at-once",
+        breaks="A robot of the SRT family is boxed in after the first setback.",
+        file="robots/multi_srt/progress.py",
+        old="gives_up = self.setbacks >= self._options.gives_up_after",
+        new="gives_up = self.setbacks >= 1",
+    ),
+    Mutant(
+        name="frontier-left-at-home",
+        breaks="Robots that do not support others skip the third stage of the planner.",
+        file="robots/multi_srt/planner.py",
+        old="        if robot.options.complete:\n            self._completing",
+        new="        if robot.options.complete and supports:\n            self._completing",
+    ),
+    Mutant(
         name="closing-for-all",
         breaks="What one robot found not reachable is closed for all others, too.",
         file="robots/exploration_map.py",

@@ -43,6 +43,13 @@ MUTANTS: Final = (
         new="time_s, 1.1 * finder.range_m, finder.beams, covered)",
     ),
     Mutant(
+        name="laser-reads-too-far",
+        breaks="All readings of lasers are too long by 3 cm, so that regions reach into walls.",
+        file="geometry/regions/scan.py",
+        old="ranges=laser_ranges(index, x, y, range_m, beams),",
+        new="ranges=laser_ranges(index, x, y, range_m, beams) + 0.03,",
+    ),
+    Mutant(
         name="region-beyond-walls",
         breaks="Regions of exact scans are shifted by 0.3 mm, into walls.",
         file="geometry/regions/safe_region.py",
@@ -142,6 +149,13 @@ MUTANTS: Final = (
         file="simulation/faults.py",
         old='        self.on_doing(robot, "any")\n',
         new="",
+    ),
+    Mutant(
+        name="moving-death-ignored",
+        breaks="A robot that is to die moving, and stands when that is due, sets out again alive.",
+        file="simulation/faults.py",
+        old='if death is None or death.when != "moving" or motion is None:',
+        new='if death is None or death.when != "motionless" or motion is None:',
     ),
     Mutant(
         name="late-start-at-zero",

@@ -37,6 +37,12 @@ def test_a_corner_sharper_than_45_degrees_may_be_missed():
     assert are_found(_hall_around(shapely.Polygon([(4, 4), (6, 4), (5, 5.2)])), 0.05)
 
 
+def test_a_thin_end_of_an_obstacle_that_grows_wide_may_be_missed():
+    wedge = shapely.Polygon([(2, 5), (7, 4.5), (7, 5.6), (2, 5.1)])  # its end is 0.1 m wide
+    assert are_found(_hall_around(wedge), 0.08)
+    assert not are_found(_hall_around(wedge), 0.2)
+
+
 def test_round_obstacles_and_the_corners_of_a_hall_are_found():
     assert are_found(_hall_around(shapely.Point(5.0, 5.0).buffer(0.5)), 0.2)
     assert are_found(Environment("hall", HALL), 0.4)

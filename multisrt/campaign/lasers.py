@@ -101,9 +101,10 @@ def are_found(environment: Environment, spacing_m: float) -> bool:
     around = shapely.box(x0 - BORDER_M, y0 - BORDER_M, x1 + BORDER_M, y1 + BORDER_M)
     obstacles = around.difference(free)
     half_m = spacing_m / 2.0
-    opened = obstacles.buffer(-half_m, join_style="mitre").buffer(
-        half_m, join_style="mitre", mitre_limit=1.0 / math.sin(MIN_CORNER / 2.0)
-    )
+    with np.errstate(divide="ignore", invalid="ignore"):  # within GEOS, of degenerate corners
+        opened = obstacles.buffer(-half_m, join_style="mitre").buffer(
+            half_m, join_style="mitre", mitre_limit=1.0 / math.sin(MIN_CORNER / 2.0)
+        )
     thin = obstacles.difference(opened.buffer(DETAIL_M))
     if not thin.buffer(-0.5 * SLIVER_M).is_empty:
         return False

@@ -85,6 +85,13 @@ MUTANTS: Final = (
         new="Frontiers(raster, width_m, options.min_frontier_m or 3.0 * width_m)",
     ),
     Mutant(
+        name="chain-too-short",
+        breaks="Chains of relays count on links of 0.6 times the length that they may have.",
+        file="robots/frontier/chain.py",
+        old="self._link_m = options.home_link * me.radio.range_m",
+        new="self._link_m = 0.6 * options.home_link * me.radio.range_m",
+    ),
+    Mutant(
         name="option-ignored",
         breaks="The option max_waits is ignored: robots wait for others to leave for ever.",
         file="robots/frontier/progress.py",

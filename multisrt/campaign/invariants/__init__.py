@@ -22,7 +22,11 @@ from types import MappingProxyType
 from typing import Final
 
 from multisrt.campaign.invariants.collision import no_collision
-from multisrt.campaign.invariants.completeness import boxed_in_is_boxed_in, complete_is_complete
+from multisrt.campaign.invariants.completeness import (
+    boxed_in_is_boxed_in,
+    chain_reaches_no_goal,
+    complete_is_complete,
+)
 from multisrt.campaign.invariants.endings import ends
 from multisrt.campaign.invariants.free_space import free_is_free
 from multisrt.campaign.invariants.hearing import hearers_learn
@@ -59,6 +63,7 @@ INVARIANTS: Final[Mapping[str, Invariant]] = MappingProxyType(
         "closings-are-for-some": closings_are_for_some,
         "complete-is-complete": complete_is_complete,
         "boxed-in-is-boxed-in": boxed_in_is_boxed_in,
+        "chain-reaches-no-goal": chain_reaches_no_goal,
         "incomplete-for-a-reason": incomplete_for_a_reason,
         "waits-within-limits": waits_within_limits,
         "drives-get-somewhere": drives_get_somewhere,

@@ -1,4 +1,4 @@
-"""Robots that report a complete map left no frontier; those boxed in cannot get out."""
+"""Robots that end left no frontier that they could have reached, whatever they end for."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from multisrt.campaign.invariants.open_frontier import (
     GRID_M,
     OpenFrontier,
     Reach,
+    frontiers,
     open_frontiers,
     solid,
     united,
@@ -40,6 +41,10 @@ from multisrt.spec import RangeFinderSpec
 
 COMPLETE: Final = "complete-is-complete"
 BOXED_IN: Final = "boxed-in-is-boxed-in"
+CHAIN: Final = "chain-reaches-no-goal"
+
+NO_CHAIN: Final = "no goal is left from which the chain reaches"
+"""How the reason of a robot begins whose chain of relays is too short."""
 
 SHARPEST_RAD: Final = math.radians(45.0)
 """Minimum angle of a corner of an obstacle that may stand unseen between two beams."""
@@ -169,6 +174,36 @@ def boxed_in_is_boxed_in(run: JudgedRun) -> Violation | None:
         found = _left(run, robot, known_at(run, robot, end), end.time_s, bodies)
         if found:
             return _violation(BOXED_IN, robot, end, found[0])
+    return None
+
+
+def chain_reaches_no_goal(run: JudgedRun) -> Violation | None:
+    """Check that a robot whose chain reaches no goal cannot reach one without a chain.
+
+    As for `boxed_in_is_boxed_in`, of frontiers that as a whole are so near to the base station that
+    no relay is needed: within `home_link` times the range of the radio, less two cells. It is not
+    checked where walls weaken links.
+
+    Cost: a few overlays for each such robot.
+    """
+    spec = run.recording.spec
+    if spec.base is None or spec.radio.walls != "pass" or spec.radio.range_m is None:
+        return None
+    for robot, end in sorted(run.ends.items(), key=lambda item: item[1].time_s):
+        if not end.reason.startswith(NO_CHAIN) or not _may_judge(run, robot):
+            continue
+        slack_m = 2.0 * run.options["cell_m"]
+        link_m = run.options["home_link"] * spec.radio.range_m - slack_m
+        names, reach = known_at(run, robot, end), reach_of(run, robot)
+        whole = shapely.get_parts(frontiers(run, robot, names, reach, slack_m))
+        heard = shapely.Point(spec.base.place).buffer(max(link_m, 0.0))
+        near = shapely.union_all(whole[shapely.covered_by(whole, heard)])
+        bodies = _bodies(run, robot, [end.time_s], 1.5 * run.options["body_stays_s"])
+        at = _place(run, robot, end.time_s)
+        found = open_frontiers(run, robot, names, reach, at, obstacles=bodies, only=near)
+        for left in found:
+            if left.behind_m2 >= MIN_BEHIND_M2:
+                return _violation(CHAIN, robot, end, left)
     return None
 
 

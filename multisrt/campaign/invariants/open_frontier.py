@@ -115,10 +115,7 @@ def open_frontiers(
         Area in which the frontier must lie to belong to it.
     """
     space = run.component(robot)
-    unknown, standing = run.once(
-        ("open frontier", shapely.to_wkb(space), reach, frozenset(names)),
-        lambda: _unknown_and_standing(run, space, names, reach),
-    )
+    unknown, standing = _open_space(run, space, names, reach)
     if unknown.is_empty:
         return []
     if obstacles is not None:
@@ -129,19 +126,51 @@ def open_frontiers(
     if standing.is_empty:
         return []
     found = []
+    for part in shapely.get_parts(unknown).tolist():
+        near = _frontier_of(run, space, part, reach)
+        if only is not None:
+            near = near.intersection(only)
+        for stretch in _stretches(near):
+            found += _seen(run, space, stretch, standing, reach, float(part.area))
+    return sorted(found, key=lambda one: -one.length_m)
+
+
+def frontiers(
+    run: JudgedRun, robot: int, names: Iterable[NodeName], reach: Reach, apart_m: float
+) -> BaseGeometry:
+    """Return the surroundings of all frontiers of a robot, each of which is one part.
+
+    Parameters
+    ----------
+    run, robot, names, reach
+        As for `open_frontiers`.
+    apart_m : float
+        Frontiers that are at most this far apart, in metres, are taken for one.
+    """
+    space = run.component(robot)
+    unknown, _ = _open_space(run, space, names, reach)
+    return _frontier_of(run, space, unknown, reach).buffer(0.5 * apart_m, quad_segs=2)
+
+
+def _frontier_of(
+    run: JudgedRun, space: Polygon, unknown: BaseGeometry, reach: Reach
+) -> BaseGeometry:
     # What is unknown ends before what may look like a wall: its sides there are no frontier.
     walls_m = reach.blind_m + WALL_M
     walls = run.once(
         ("walls", shapely.to_wkb(space), walls_m),
         lambda: space.boundary.buffer(walls_m, quad_segs=2),
     )
-    for part in shapely.get_parts(unknown).tolist():
-        near = shapely.difference(part.boundary, walls)
-        if only is not None:
-            near = near.intersection(only)
-        for stretch in _stretches(near):
-            found += _seen(run, space, stretch, standing, reach, float(part.area))
-    return sorted(found, key=lambda one: -one.length_m)
+    return shapely.difference(unknown.boundary, walls)
+
+
+def _open_space(
+    run: JudgedRun, space: Polygon, names: Iterable[NodeName], reach: Reach
+) -> tuple[BaseGeometry, BaseGeometry]:
+    return run.once(
+        ("open frontier", shapely.to_wkb(space), reach, frozenset(names)),
+        lambda: _unknown_and_standing(run, space, names, reach),
+    )
 
 
 def _unknown_and_standing(

@@ -7,7 +7,7 @@ from typing import Final
 
 import shapely
 
-from multisrt.campaign.invariants.completeness import IN_THE_WAY
+from multisrt.campaign.invariants.completeness import IN_THE_WAY, NO_CHAIN
 from multisrt.campaign.judged_run import JudgedRun
 from multisrt.campaign.violations import Violation, quoted
 from multisrt.events import Ended
@@ -16,9 +16,6 @@ NAME: Final = "incomplete-for-a-reason"
 
 NO_TIME_LEFT: Final = "no time is left for another"
 """How the reason of a robot begins that has no time for another target and the way home."""
-
-NO_CHAIN: Final = "no goal is left from which the chain reaches"
-"""How that of a robot begins whose chain of relays is too short."""
 
 NO_TARGET: Final = "the planner has no target"
 """How that of a robot of the SRT family begins that leaves frontier, with `complete=false`."""

@@ -946,6 +946,28 @@ def test_a_robot_behind_a_body_is_boxed_in(there, way_is_free):
     assert bool(broken(run, "boxed-in-is-boxed-in")) is way_is_free
 
 
+@pytest.mark.parametrize(
+    ("range_m", "walls", "is_left"),
+    [(7.0, "pass", True), (5.0, "pass", False), (7.0, "block", False)],
+)
+def test_a_goal_that_needs_no_relay_is_reached_by_a_chain(range_m, walls, is_left):
+    # The frontier is at 5 m, and the base station at 0.5 m hears it from up to 0.9 of the range.
+    world = Environment("corridor", shapely.box(0.0, 0.0, 12.0, 1.0))
+    reason = "no goal is left from which the chain reaches the base station"
+    end = Ended(time_s=1.0, robot=0, reason=reason, complete=False, frontier=())
+    run = written(
+        [CORRIDOR_TO_5_M, end],
+        starts=((1.2, 0.5, 0.0), (0.4, 0.5, 0.0)),
+        environment=world,
+        robots=(RobotSpec(footprint="disc:0.2"),) * 2,
+        strategy="closest",
+        base=BaseSpec(x=0.5, y=0.5),
+        radio=RadioSpec(range_m=range_m, walls=walls),
+        options={"home": "chain", "cell_m": 0.05, "margin_m": 0.0, "min_frontier_m": 0.1},
+    )
+    assert bool(broken(run, "chain-reaches-no-goal")) is is_left
+
+
 @pytest.mark.parametrize("name", ["bids", "srt"])
 def test_a_team_that_stands_for_ever_is_found(name, request):
     run = request.getfixturevalue(name)

@@ -13,10 +13,6 @@ MUTANTS: Final = (
         file="robots/multi_srt/roster.py",
         old="if self._unanswered[number] <= self.patience:",
         new="if self._unanswered[number] >= 0:",
-        unfound=(
-            "few draws have a death in a team of this family and go on for the four minutes and "
-            "more that all limits allow; in runs that do, waits-within-limits finds it"
-        ),
     ),
     Mutant(
         name="master-forgets-a-member",

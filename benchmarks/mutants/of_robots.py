@@ -91,8 +91,8 @@ MUTANTS: Final = (
         name="option-ignored",
         breaks="The option max_waits is ignored: robots wait for others to leave for ever.",
         file="robots/frontier/progress.py",
-        old="return self._waits_here() < self._options.max_waits",
-        new="return self._waits_here() < math.inf",
+        old="return self._waits.now[State.WAITING] < self._options.max_waits",
+        new="return self._waits.now[State.WAITING] < math.inf",
         unfound=(
             "probably since a robot that answers has to bar the way to the last frontiers for "
             "longer than all limits together"

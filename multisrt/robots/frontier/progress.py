@@ -77,7 +77,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum, StrEnum, auto
 from types import MappingProxyType
-from typing import Final
+from typing import Final, Generic, TypeVar
 
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.grids.occupancy import Occupancy
@@ -85,6 +85,8 @@ from multisrt.robots.frontier.bodies import MOVED_M
 from multisrt.robots.frontier.course import Course
 from multisrt.robots.frontier.goal import Place
 from multisrt.robots.frontier.options import FrontierOptions
+
+K = TypeVar("K")
 
 
 class State(Enum):
@@ -232,19 +234,19 @@ class Standstill:
     found_no_path: bool = False
 
 
-class _Counts:
-    """Counts by robot, which begin anew when the map changes."""
+class _Counts(Generic[K]):
+    """Counts that begin anew when the map changes."""
 
     def __init__(self, raster: Occupancy) -> None:
         self._raster = raster
         self._revision = raster.revision
-        self._by_robot: Counter[int] = Counter()
+        self._counted: Counter[K] = Counter()
 
     @property
-    def by_robot(self) -> Counter[int]:
+    def now(self) -> Counter[K]:
         if self._revision != self._raster.revision:
-            self._revision, self._by_robot = self._raster.revision, Counter()
-        return self._by_robot
+            self._revision, self._counted = self._raster.revision, Counter()
+        return self._counted
 
 
 class Progress:
@@ -281,11 +283,10 @@ class Progress:
         # Where detours began since the map last changed.
         self._detoured_at: list[Place] = []
         self._detoured_revision = raster.revision
-        self._waits = 0
-        self._waits_revision = raster.revision
-        # How often each robot was met and asked this one to give way; how often this one did so.
-        self._in_vain = _Counts(raster)
-        self._gave_way = _Counts(raster)
+        # How often it waited; was met by each robot and asked to give way; and did so.
+        self._waits = _Counts[State](raster)
+        self._in_vain = _Counts[int](raster)
+        self._gave_way = _Counts[int](raster)
         # When the last drive began, until what came of it is dealt with.
         self._set_out_s: float | None = None
         self._instant_goals = 0
@@ -362,20 +363,20 @@ class Progress:
 
         Moving does not make the count smaller: the two may step back and forth forever.
         """
-        self._in_vain.by_robot[other] += 1
+        self._in_vain.now[other] += 1
 
     def note_giving_way(self, other: int) -> int:
         """Count that this robot gives way to another; return how often it did so before.
 
         Moving does not make the count smaller, but a new map does.
         """
-        self._gave_way.by_robot[other] += 1
-        return self._gave_way.by_robot[other] - 1
+        self._gave_way.now[other] += 1
+        return self._gave_way.now[other] - 1
 
     @property
     def jams(self) -> Counter[int]:
         """By robot, how often it and this one failed to let each other pass."""
-        return Counter(self.standstill.jams) | self._in_vain.by_robot
+        return Counter(self.standstill.jams) | self._in_vain.now
 
     @property
     def is_jammed(self) -> bool:
@@ -384,8 +385,7 @@ class Progress:
 
     def note_wait(self) -> None:
         """Count a wait."""
-        self._waits = self._waits_here() + 1
-        self._waits_revision = self._raster.revision
+        self._waits.now[State.WAITING] += 1
 
     @property
     def may_wait(self) -> bool:
@@ -394,7 +394,4 @@ class Progress:
         Moving does not give it new patience: robots that make room for each other by turns would
         wait forever.
         """
-        return self._waits_here() < self._options.max_waits
-
-    def _waits_here(self) -> int:
-        return self._waits if self._raster.revision == self._waits_revision else 0
+        return self._waits.now[State.WAITING] < self._options.max_waits

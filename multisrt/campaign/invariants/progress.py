@@ -20,6 +20,7 @@ from multisrt.events import (
     GoalChosen,
     Joined,
     Learned,
+    Motion,
     NodeAdded,
 )
 
@@ -32,18 +33,23 @@ GOAL_M: Final = 0.5
 """Side of the squares within which goals, or nodes, count as one, in metres."""
 
 
+MOTION_M: Final = 0.1
+"""Distance that a motion counts in addition to its length, in metres."""
+
+
 def drives_get_somewhere(run: JudgedRun) -> Violation | None:
     """Check that no robot drives farther than the length of all walls without making progress.
 
     Between two events of progress, a robot drives at most the total length of all walls of the
-    world; any place is reached, and left again, on a shorter path. In the SRT family robots return
-    along their trees, which may be longer: there the limit is at least the distance that all robots
-    together have driven by then. Progress of all robots is a region that shows a place not seen by
-    any of them (of about 4000 in the free space), the closing of an arc, the end of a robot, and
-    the beginning or end of a fault. Progress of one robot is learning of a node of another robot,
-    and choosing a goal, in the SRT family adding a node, in a square of 0.5 m in which it has had
-    none. There are finitely many such events, so a robot that drives to and fro for ever is found
-    if its run is long enough.
+    world; any place is reached, and left again, on a shorter path. A motion counts 0.1 m more than
+    its length, so that tiny ones add up, too. In the SRT family robots return along their trees,
+    which may be longer: there the limit is at least the distance that all robots together have
+    driven by then. Progress of all robots is a region that shows a place not seen by any of them
+    (of about 4000 in the free space), the closing of an arc, the end of a robot, and the beginning
+    or end of a fault. Progress of one robot is learning of a node of another robot, and choosing a
+    goal, in the SRT family adding a node, in a square of 0.5 m in which it has had none. There are
+    finitely many such events, so a robot that drives to and fro for ever is found if its run is
+    long enough.
 
     Cost: each region tests the points that no earlier one has shown.
     """
@@ -65,8 +71,8 @@ def drives_get_somewhere(run: JudgedRun) -> Violation | None:
         return Violation(
             invariant=NAME,
             says=f"robot {robot} drives {driven_m[longest]:.1f} m from {steps[longest]:.2f} s "
-            f"to {steps[longest + 1]:.2f} s, without progress; the limit is "
-            f"{limits_m[longest]:.1f} m",
+            f"to {steps[longest + 1]:.2f} s, without progress ({MOTION_M:g} m are added for each "
+            f"motion); the limit is {limits_m[longest]:.1f} m",
             robot=robot,
             time_s=float(steps[longest]),
         )
@@ -122,9 +128,11 @@ def _points_in(free: shapely.geometry.base.BaseGeometry) -> FloatArray:
 
 
 def _driven_m(run: JudgedRun, robot: int, times: FloatArray) -> FloatArray:
-    """Return the distance that a robot has driven by each time."""
+    """Return the distance that a robot has driven by each time, with what its motions count."""
     track = run.tracks[robot]
+    set_out_s = [e.waypoints[0][0] for e in run.recording.of(Motion) if e.robot == robot]
+    motions = np.searchsorted(np.sort(set_out_s), times)
     begin_m = np.concatenate([[0.0], np.cumsum(track.lengths)])
     begin_s = np.append(track.legs[:, 0], track.legs[-1, 4])
-    driven: FloatArray = np.interp(times, begin_s, begin_m)
+    driven: FloatArray = np.interp(times, begin_s, begin_m) + MOTION_M * motions
     return driven

@@ -1019,6 +1019,17 @@ def test_a_robot_that_is_called_on_has_not_ended():
     assert broken(chooses, "waits-within-limits")
 
 
+def test_a_robot_that_makes_tiny_motions_for_ever_is_found():
+    ends = ((1.0, 1.5, 0.0), (1.005, 1.5, 0.0))
+    for count, is_found in ((100, False), (200, True)):
+        moves = [
+            drive(0, (2.0 * k, *ends[k % 2]), (2.0 * k + 1.0, *ends[1 - k % 2]))
+            for k in range(count)
+        ]
+        run = written(moves, starts=((1.0, 1.5, 0.0),), strategy="closest", end_s=2.0 * count)
+        assert bool(broken(run, "drives-get-somewhere")) is is_found
+
+
 def to_and_fro(laps: int) -> list[Motion]:
     """Return motions of 2 m each, two in a lap of 8 s."""
     ends = ((1.0, 1.5, 0.0), (3.0, 1.5, 0.0), (1.0, 1.5, 0.0))
@@ -1041,7 +1052,7 @@ def test_a_robot_that_drives_in_circles_is_found():
 
     name = "drives-get-somewhere"
     assert not broken(run(3), name)
-    assert "robot 0 drives 16.0 m from 0.00 s to 32.00 s" in broken(run(4), name)
+    assert "robot 0 drives 16.8 m from 0.00 s to 32.00 s" in broken(run(4), name)
     assert broken(run(4, strategy="srt-radial"), name)
     assert not broken(run(4, strategy="informed"), name)
     # The same goal again and again is a step forward once.
@@ -1051,7 +1062,7 @@ def test_a_robot_that_drives_in_circles_is_found():
         )
         for k in range(8)
     ]
-    assert "drives 16.0 m" in broken(run(4, *goals), name)
+    assert "drives 16.8 m" in broken(run(4, *goals), name)
     elsewhere = replace(goals[2], goal=(1.2, 1.5))
     assert not broken(run(4, elsewhere), name)
     assert not broken(run(4, Learned(time_s=20.0, robot=0, nodes=((1, 0),))), name)
@@ -1071,8 +1082,8 @@ def test_a_robot_that_drives_in_circles_is_found():
         for k in range(2)
     ]
     beside = [nodes[0], replace(nodes[1], configuration=(2.6, 1.5, 0.0))]
-    assert "drives 15.5 m from 1.00 s" in broken(run(4, *beside), name)
-    assert "drives 15.5 m from 1.00 s" in broken(run(4, *nodes, strategy="srt-radial"), name)
+    assert "drives 16.2 m from 1.00 s" in broken(run(4, *beside), name)
+    assert "drives 16.2 m from 1.00 s" in broken(run(4, *nodes, strategy="srt-radial"), name)
     assert not broken(run(4, *beside, strategy="srt-radial"), name)
 
 

@@ -318,7 +318,7 @@ def page(runs: pd.DataFrame) -> list[str]:
         f"{len(runs):,} runs: {runs['environment'].nunique()} worlds, teams of "
         f"{', '.join(map(str, sorted(runs['robots'].unique())))}, full and limited radio (10 m, "
         f"walls block), {_repetitions(runs)}; the robots of a team start close "
-        "together, in each repetition at another place, which is drawn. "
+        "together, at a place that is drawn anew for each repetition. "
         "The worlds are of the suites, which no strategy was tuned on"
         f"{', and maps of other projects' if has_maps else ''}. {complete:.1%} of the runs are "
         f"complete; {runs['collisions'].sum():.0f} collisions. Runs are "
@@ -326,7 +326,7 @@ def page(runs: pd.DataFrame) -> list[str]:
         "strategy of this project is faster. A cell is a world, a team size and a radio. The ratio "
         "of a comparison is the factor at which the signed ranks of all cells, added by "
         "repetition, favour neither strategy, with a 95 % interval by inverting that test. Its "
-        "sample is the repetitions, not the pairs: it is about these worlds, from other starts. "
+        "sample is the repetitions, not the pairs: it applies to these worlds with other starts. "
         "The mean is the geometric mean of the ratios of the cells' medians. Faster and slower "
         "count the cells with a significant difference, tested one by one with Holm's correction "
         "over all cells of a row. Intervals and tests need six repetitions or more. (best) is the "
@@ -337,7 +337,7 @@ def page(runs: pd.DataFrame) -> list[str]:
     ]
     if TURNING in present:
         lines += [
-            f"`{TURNING}` is `utility` on the curves on which `gain` drives instead of turning in "
+            f"`{TURNING}` is `utility` that drives in curves like `gain` instead of turning in "
             "place; what is left of the lead of `gain` is due to its choices, and to when it makes "
             "them: `gain` chooses again when its map has changed, `utility` when its goal is "
             "reached or seen.",
@@ -402,7 +402,7 @@ TRIED: Final = (
     "corridors beyond frontiers can bring no more than this.",
     "- More frequent scans or choices: at best 0.99 of the time, with up to 2.5 times the "
     "computing time.",
-    "- Paths that count up to where most of the area beyond a frontier is in sight: 1.05, with one "
+    "- Path lengths only to where most of the area beyond a frontier is in sight: 1.05, with one "
     "robot.",
     "- Assigning frontiers by the shortest longest tour, or going along the shortest tour without "
     "values: 1.04 and 1.06 of the time of `gain` without tours, or about 1.1 of that with them.",

@@ -205,8 +205,8 @@ def page(campaigns: Sequence[Campaign]) -> str:
         markdown_table(COLUMNS, [*rows, _told("all", every)]),
         "- *Complete*: no robot left frontier that it could reach. Robots without room beside "
         "their start end at once, and so does `informed` where all is in sight from there; both "
-        "are drawn on purpose. How much was covered is not asked here.\n"
-        "- *Stalled*: the run ended with frontier left, because robots died, were boxed in, or "
+        "are drawn on purpose. How much was covered is not checked here.\n"
+        "- *Stalled*: the run ended with frontier left, because robots died, were boxed in, "
         "could not agree, or returned home in time. *Not confirmed*: stalled runs in which, "
         "according to an oracle that knows the map, a robot had a free path or waited for longer "
         "than its limits.\n"

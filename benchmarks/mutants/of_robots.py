@@ -9,7 +9,7 @@ from benchmarks.mutants.mutant import Mutant
 MUTANTS: Final = (
     Mutant(
         name="waits-for-the-dead",
-        breaks="A robot of the SRT family asks one that does not answer for ever.",
+        breaks="A robot of the SRT family never stops asking a robot that does not answer.",
         file="robots/multi_srt/roster.py",
         old="if self._unanswered[number] <= self.patience:",
         new="if self._unanswered[number] >= 0:",
@@ -68,7 +68,7 @@ MUTANTS: Final = (
     ),
     Mutant(
         name="region-lost-in-an-answer",
-        breaks="Who is asked for the regions that another robot lacks leaves out the first.",
+        breaks="A robot that is asked for missing regions leaves out the first one.",
         file="robots/listening.py",
         old="entries = self._entries.missing_from(have_of(message.have))",
         new="entries = self._entries.missing_from(have_of(message.have))[1:]",
@@ -89,7 +89,7 @@ MUTANTS: Final = (
     ),
     Mutant(
         name="option-ignored",
-        breaks="The option max_waits is ignored: robots wait for others to leave for ever.",
+        breaks="The option max_waits is ignored: robots wait without limit for others to leave.",
         file="robots/frontier/progress.py",
         old="return self._waits.now[State.WAITING] < self._options.max_waits",
         new="return self._waits.now[State.WAITING] < math.inf",

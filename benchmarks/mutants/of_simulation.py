@@ -138,7 +138,7 @@ MUTANTS: Final = (
     ),
     Mutant(
         name="silence-not-silent",
-        breaks="A radio that fails is on record as such, and works.",
+        breaks="A radio failure is recorded, but the radio keeps working.",
         file="simulation/faults.py",
         old="            robot.hears = False\n            self._record",
         new="            self._record",

@@ -1,1 +1,1 @@
-"""A campaign of missions that tries to break the program, and judges each by invariants."""
+"""Campaigns: randomly drawn missions, each of which is checked against invariants."""

@@ -1,4 +1,4 @@
-"""Missions of a campaign: specs of runs drawn over all there is.
+"""Missions of a campaign: specs of runs, all parts of which are drawn.
 
 Mission `number` of a seed is the same in every campaign, however many missions it has. A draw that
 the program refuses as impossible (a body that does not fit, a radio that is too short for the

@@ -1,4 +1,4 @@
-"""Making missions one after another: each judged, some repeated elsewhere, failures shrunk."""
+"""Missions executed one by one: each is judged, some are repeated, failures are shrunk."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Lasers of a campaign: those whose beams find all obstacles of a world, as is promised.
 
 An obstacle that is thinner than the spacing of two beams, or has a corner sharper than 45 degrees,
-may be missed (see `multisrt.geometry.regions.safe_region`): to collide with it is no defect.
+may be missed (see `multisrt.geometry.regions.safe_region`): a collision with it is no defect.
 """
 
 from __future__ import annotations

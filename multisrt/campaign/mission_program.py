@@ -2,7 +2,7 @@
 
 `python -m multisrt.campaign.mission_program [--path=FOLDER ...]` reads jobs from standard input and
 writes answers to standard output, one JSON object a line (see `jobs`). Whatever is printed goes to
-standard error; so does the place at which it is, when it receives SIGUSR1. The program ends when
+standard error; on SIGUSR1 the stacks of all threads do, too. The program ends when
 its input ends, even in the middle of a run.
 """
 

@@ -1,4 +1,4 @@
-"""Making the missions of a campaign that are missing, by some processes."""
+"""Executing the missing missions of a campaign in one or more processes."""
 
 from __future__ import annotations
 

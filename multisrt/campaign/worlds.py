@@ -1,4 +1,4 @@
-"""Worlds of a campaign: generated ones, turned ones, narrow ones, odd ones, and bundled maps.
+"""Worlds of a campaign: generated, transformed, narrow and unusual ones, and bundled maps.
 
 A campaign has `POOL` worlds, which its seed determines, so that few have to be built for many
 missions. Some of them cannot be built, as their parameters exclude each other; missions in them are

@@ -1,4 +1,4 @@
-"""Robots that end left no frontier that they could have reached, whatever they end for."""
+"""Robots that end left no frontier that they could have reached, whatever reason they give."""
 
 from __future__ import annotations
 

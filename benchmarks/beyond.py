@@ -6,8 +6,8 @@
 of the suites and, if their folder is given, five maps of other projects. A few repetitions of all
 strategies show which of the papers' is the best; with ``--strategies`` only this one and that of
 this project are repeated more often, and with ``--first-seed`` repetitions go on where those of
-another machine ended, each time in a store of its own. ``--worlds`` and ``--teams`` divide the
-runs among several stores.
+another machine ended, each time in a store of its own. ``--worlds``, ``--teams`` and ``--radios``
+divide the runs among several stores.
 """
 
 from __future__ import annotations
@@ -125,6 +125,7 @@ def experiment(
     first_seed: int = 0,
     only: Sequence[str] = (),
     teams: Sequence[int] = TEAMS,
+    radios: Sequence[str] = (FULL, LIMITED),
 ) -> ExperimentSpec:
     """Return the experiment.
 
@@ -144,11 +145,13 @@ def experiment(
         Names of worlds, to which the experiment is restricted.
     teams : sequence of int
         Numbers of robots.
+    radios : sequence of str
+        Which of "full" and "limited"; a single robot has full radio only.
 
     Raises
     ------
     SystemExit
-        If there is no world of one of these names.
+        If there is no world or radio of one of these names.
     """
     worlds = [
         EnvironmentChoice(name=f"{suite}/{number:02d}")
@@ -163,6 +166,8 @@ def experiment(
         if unknown:
             raise SystemExit(f"no world is named {', '.join(sorted(unknown))}")
         worlds = [world for name, world in named.items() if name in only]
+    if unknown := set(radios) - {FULL, LIMITED}:
+        raise SystemExit(f"no radio is named {', '.join(sorted(unknown))}: {FULL} or {LIMITED}")
     return ExperimentSpec(
         name="Beyond the papers",
         about="Is a strategy of this project faster than the best of the papers'?",
@@ -171,8 +176,8 @@ def experiment(
         robots=tuple(teams),
         # Each repetition begins elsewhere: from one place, runs without chance would be copies.
         starts=(StartsChoice(how="clustered", first="drawn"),),
-        radios=RADIOS,
-        exclude=(Only(robots=1, radio=LIMITED),) if 1 in teams else (),
+        radios=tuple(radio for radio in RADIOS if radio.label in radios),
+        exclude=(Only(robots=1, radio=LIMITED),) if 1 in teams and LIMITED in radios else (),
         repetitions=repetitions,
         first_seed=first_seed,
         reference="informed" if reference else "none",
@@ -307,7 +312,7 @@ def page(runs: pd.DataFrame) -> list[str]:
     papers = [name for name in present if name in PAPERS]
     others = [name for name in present if name not in OURS]
     has_maps = runs["environment"].isin(MAPS).any()
-    complete = (runs["status"] == "complete").mean()
+    whole = (runs["status"] == "complete").sum()
     lines = [
         "# Beyond the papers",
         "",
@@ -320,7 +325,7 @@ def page(runs: pd.DataFrame) -> list[str]:
         f"walls block), {_repetitions(runs)}; the robots of a team start close "
         "together, at a place that is drawn anew for each repetition. "
         "The worlds are of the suites, which no strategy was tuned on"
-        f"{', and maps of other projects' if has_maps else ''}. {complete:.1%} of the runs are "
+        f"{', and maps of other projects' if has_maps else ''}. {whole:,} of the runs are "
         f"complete; {runs['collisions'].sum():.0f} collisions. Runs are "
         "paired by seed. A ratio is that of the times, below 1 if the "
         "strategy of this project is faster. A cell is a world, a team size and a radio. The ratio "
@@ -330,7 +335,8 @@ def page(runs: pd.DataFrame) -> list[str]:
         "The mean is the geometric mean of the ratios of the cells' medians. Faster and slower "
         "count the cells with a significant difference, tested one by one with Holm's correction "
         "over all cells of a row. Intervals and tests need six repetitions or more. (best) is the "
-        "strategy of the papers with the lowest geometric mean of its cells' medians. A "
+        "strategy of the papers with the lowest geometric mean of its cells' medians, in those "
+        "repetitions that all of them have. A "
         "run that failed (not complete, or less than 99 % covered) counts with twice the longest "
         "time of its cell.",
         "",
@@ -521,6 +527,7 @@ def main() -> None:
     made.add_argument(
         "--teams", default=",".join(map(str, TEAMS)), help="numbers of robots, comma between"
     )
+    made.add_argument("--radios", default=f"{FULL},{LIMITED}", help="names, comma between")
     made.add_argument("--informed", action="store_true", help="compare with the informed plan")
     made.add_argument("--workers", type=int)
     unite = commands.add_parser("unite", help="add runs to a table")
@@ -538,6 +545,7 @@ def main() -> None:
             first_seed=given.first_seed,
             only=given.worlds.split(",") if given.worlds else (),
             teams=[int(number) for number in given.teams.split(",")],
+            radios=given.radios.split(","),
         )
         ms.compare(spec, store=given.store, workers=given.workers)
     elif given.command == "unite":

@@ -9,6 +9,7 @@ import pytest
 from benchmarks.beyond import (
     FULL,
     LIMITED,
+    RADIOS,
     TURNING,
     WORLDS,
     beside_the_best,
@@ -211,6 +212,13 @@ def test_each_repetition_begins_elsewhere_and_all_strategies_there():
             starts[run.spec.seed].add(run.spec.robots[0].start)
     assert [len(first) for first in starts.values()] == [1, 1, 1]
     assert len(set.union(*starts.values())) == 3
+
+
+def test_radios_divide_the_runs():
+    spec = experiment(None, repetitions=1, reference=False, radios=("limited",))
+    assert spec.radios == RADIOS[1:]
+    with pytest.raises(SystemExit, match="no radio is named broken: full or limited"):
+        experiment(None, repetitions=1, reference=False, radios=("full", "broken"))
 
 
 def test_worlds_are_divided_among_stores():

@@ -17,9 +17,10 @@ from multisrt.campaign.invariants.open_frontier import (
     frontiers,
     open_frontiers,
     solid,
+    standing_space,
     united,
 )
-from multisrt.campaign.judged_run import JudgedRun
+from multisrt.campaign.judged_run import ROUNDING_M, JudgedRun
 from multisrt.campaign.violations import Violation, quoted
 from multisrt.events import (
     ArcClosed,
@@ -71,6 +72,10 @@ of `d_min_m`."""
 SRT_LEAST_M: Final = 0.1
 """A frontier of the SRT family is longer than a body is wide by this, in metres."""
 
+SRT_RASTER: Final = 0.3
+"""Room beside a body that its paths off the roadmap certainly find on their raster, as a share of
+its circumscribed radius."""
+
 SRT_SCRAP_M: Final = 0.05
 """Unknown parts between its regions that hold no disc of this radius are scraps, in metres."""
 
@@ -109,8 +114,9 @@ def complete_is_complete(run: JudgedRun) -> Violation | None:
       place. The body keeps its margin and 0.02 m from walls and from the unknown area. Only the
       frontier of the robot's own tree counts, because other trees are left to their robots: the
       border of its regions that no other region covers. Places within `completion_spacing` times
-      `d_min_m`, plus a cell of its lattice of places, of a node do not count. Unknown parts that
-      contain no disc of 0.05 m are ignored.
+      `d_min_m`, plus a cell of its lattice of places, of a node do not count, nor places to which
+      no straight path leads from a node, and none with room of 0.3 times the body's radius beside
+      it. Unknown parts that contain no disc of 0.05 m are ignored.
 
     Arcs that were closed as seen from nearby count only if a scan from the place shows at least
     what the rules count as more, an area of `d_min_m` squared, and at least 0.05 m2: in a corner
@@ -277,7 +283,13 @@ def _left(
             one
             for one in found
             if one.behind_m2 >= MIN_BEHIND_M2
-            and (only is None or not _shows_hardly_more(run, robot, names, one))
+            and (
+                only is None
+                or (
+                    _is_led_to(run, robot, names, one.stand, obstacles)
+                    and not _shows_hardly_more(run, robot, names, one)
+                )
+            )
         ]
 
     if run.family != "srt":
@@ -295,6 +307,26 @@ def _left(
     if found:
         found = left(only.difference(_was_out_of_reach(run, robot, reach, near_m)))
     return found
+
+
+def _is_led_to(
+    run: JudgedRun,
+    robot: int,
+    names: list[NodeName],
+    stand: tuple[float, float],
+    obstacles: BaseGeometry | None,
+) -> bool:
+    # Whether a path of the SRT family leads to a place: straight from a node, or over a raster.
+    space = standing_space(run, robot, names, reach_of(run, robot), obstacles)
+    nodes = [run.nodes[name].configuration[:2] for name in names]
+    straight = shapely.linestrings([[node, stand] for node in nodes])
+    if shapely.covered_by(straight, space.buffer(ROUNDING_M)).any():
+        return True
+    wide_m = SRT_RASTER * run.bodies[robot].circumscribed_m
+    wide = shapely.get_parts(space.buffer(-wide_m, quad_segs=4))
+    near = wide[shapely.dwithin(wide, shapely.Point(stand), wide_m + ROUNDING_M)]
+    begins = shapely.multipoints(nodes)
+    return bool(shapely.dwithin(near, begins, wide_m + ROUNDING_M).any())
 
 
 def _was_out_of_reach(run: JudgedRun, robot: int, reach: Reach, near_m: float) -> BaseGeometry:

@@ -115,11 +115,10 @@ def open_frontiers(
         Area in which the frontier must lie to belong to it.
     """
     space = run.component(robot)
-    unknown, standing = _open_space(run, space, names, reach)
+    unknown, _ = _open_space(run, space, names, reach)
     if unknown.is_empty:
         return []
-    if obstacles is not None:
-        standing = solid(standing.difference(obstacles))
+    standing = standing_space(run, robot, names, reach, obstacles)
     standing = _part_at(standing, at, reach.off_walls_m)
     if looked is not None:
         standing = solid(standing.difference(looked))
@@ -150,6 +149,18 @@ def frontiers(
     space = run.component(robot)
     unknown, _ = _open_space(run, space, names, reach)
     return _frontier_of(run, space, unknown, reach).buffer(0.5 * apart_m, quad_segs=2)
+
+
+def standing_space(
+    run: JudgedRun,
+    robot: int,
+    names: Iterable[NodeName],
+    reach: Reach,
+    obstacles: BaseGeometry | None = None,
+) -> BaseGeometry:
+    """Return where the reference point of a robot can be; see `open_frontiers`."""
+    _, standing = _open_space(run, run.component(robot), names, reach)
+    return standing if obstacles is None else solid(standing.difference(obstacles))
 
 
 def _frontier_of(

@@ -174,7 +174,7 @@ MEASURES = (
         "m2",
         lambda m: math.fsum(m.given_up_m2.values()),
     ),
-    _measure("coverage_integral_s", "Integral of what is not yet covered", "s"),
+    _measure("coverage_integral_s", "Integral of the uncovered area", "s"),
     _measure("time_to_90_s", "Time to 90 % coverage", "s"),
     _measure("time_to_99_s", "Time to 99 % coverage", "s"),
     _measure(

@@ -41,6 +41,11 @@ class Finding(msgspec.Struct, frozen=True, kw_only=True):
     says: str
     seconds: float
 
+    @property
+    def program(self) -> str:
+        """Digest of the source of the program without the defect."""
+        return self.key.partition("-")[0]
+
 
 def key_of(mutant: Mutant | None, seed: int) -> str:
     """Return what a finding depends on: the program in use, the defect and the seed."""

@@ -97,12 +97,20 @@ def page(findings: Mapping[str, Finding], seed: int) -> str:
             "",
             "*missions* is how many it took, *found by* names all invariants that the mission "
             "violated. Times are those of one process on a machine that was "
-            "busy with other things, and include its start.",
+            f"busy with other things, and include its start.{_programs(findings)}",
             "",
             markdown_table(COLUMNS, rows_of((*MUTANTS, CONTROL), findings)),
             "",
         ]
     )
+
+
+def _programs(findings: Mapping[str, Finding]) -> str:
+    programs = sorted({found.program for found in findings.values()})
+    if not programs:
+        return ""
+    some = "is" if len(programs) == 1 else "are, of several versions,"
+    return f" The digest of the program's source {some} {', '.join(programs)}."
 
 
 def _commands(findings: Mapping[str, Finding], seed: int) -> str:

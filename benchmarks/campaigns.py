@@ -224,11 +224,19 @@ def page(campaigns: Sequence[Campaign]) -> str:
         "## What was found",
         "Defects that were found during the development of this package, by campaigns and by "
         "experiments. Each of these runs violated an invariant and is now a test.",
-        "\n".join(f"- {said}" for said in found_before()),
+        _listed(said for said in found_before() if not said.startswith(OF_CHECKS)),
+        "Defects of the checks, which reported runs that were correct:",
+        _listed(
+            said.removeprefix(OF_CHECKS) for said in found_before() if said.startswith(OF_CHECKS)
+        ),
         "`python -m benchmarks.campaigns add FILE` adds the missions in a file written by "
         "`multisrt campaign run`; `python -m benchmarks.campaigns page` writes this page.",
     )
     return "\n\n".join(parts) + "\n"
+
+
+def _listed(said: Iterable[str]) -> str:
+    return "\n".join(f"- {one[:1].upper()}{one[1:]}" for one in said)
 
 
 COLUMNS: Final = (
@@ -252,6 +260,10 @@ def _of_campaign(campaign: Campaign) -> tuple[str, ...]:
         *(f"`{campaign.program}`", str(campaign.seed)),
         *(f"{whole.missions:,}", f"{whole.failed:,}"),
     )
+
+
+OF_CHECKS: Final = "Check: "
+"""How the first line begins of a run that was correct and that a check reported."""
 
 
 def found_before() -> list[str]:

@@ -29,7 +29,7 @@ TIE_M: Final = 1e-6
 """Matchings are equally good if their total bids differ by at most this, in metres."""
 
 MAX_STEPS: Final = 10_000
-"""Bounds the number of radii tried; a communication range that could need more is rejected."""
+"""Maximum number of radii tried, up to the last: the increment is larger if it needs more."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,13 +43,13 @@ class CohesionRadii:
     diagonal_m : float
         Diagonal of the map in metres; the first radius above it is the last.
     first, step : float
-        First factor (the paper's j) and its increment.
+        First factor (the paper's j) and its increment, which is larger if crossing the map would
+        take more than `MAX_STEPS` radii.
 
     Raises
     ------
     InvalidInputError
-        If a number is not positive, the diagonal is infinite, or crossing it takes more than
-        `MAX_STEPS` radii.
+        If a number is not positive, or the diagonal is infinite.
     """
 
     range_m: float
@@ -63,14 +63,11 @@ class CohesionRadii:
                 raise InvalidInputError(f"{name} is {getattr(self, name)}; it must be positive")
         if not 0.0 < self.diagonal_m < math.inf:
             raise InvalidInputError(f"diagonal_m is {self.diagonal_m}; it must be positive")
-        if self.diagonal_m > MAX_STEPS * self.step * self.range_m:
-            raise InvalidInputError(
-                f"range_m is {self.range_m}; it is too small for a map of {self.diagonal_m:g} m"
-            )
 
     def radius_m(self, k: int) -> float:
         """Return radius k in metres."""
-        return self.range_m * (self.first + self.step * k)
+        longer = max(1.0, self.diagonal_m / (MAX_STEPS * self.step * self.range_m))
+        return self.range_m * (self.first + self.step * longer * k)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

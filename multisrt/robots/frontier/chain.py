@@ -247,6 +247,8 @@ class Chain:
         high = np.maximum(seen_from, indices.max(axis=0)) + 1
         free = raster.cells[low[0] : high[0], low[1] : high[1]] == FREE
         row, column = (seen_from - low).tolist()
+        # The cell of a base station beside a wall is occupied, and it is in free space.
+        free[row, column] = True
         near[near] = [
             in_sight(free, column + 0.5, row + 0.5, c, r) for r, c in (indices - low).tolist()
         ]

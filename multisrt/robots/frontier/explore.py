@@ -231,6 +231,8 @@ class FrontierExplorer:
         if robot.team.requests.meet or (is_done and homing.may_dismiss_partner()):
             following = robot.at[:2] if goal is None else goal.place
             yield from agree(robot, homing, None if is_done else following)
+        if is_done and robot.raster.revision != robot.course.goal_revision:
+            return Event.NEWS
         if event is Event.EXPLORED:
             yield from robot.tell_when_complete()
         if not is_done or self.progress.is_jammed or not homing.may_deliver():

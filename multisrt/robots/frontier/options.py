@@ -183,7 +183,7 @@ class BiddingOptions(FrontierOptions, frozen=True, kw_only=True, forbid_unknown_
     ----------
     drive : {"path", "nearness-diagram"}
         Whether the robot follows its path, or steers along it by Smooth Nearness Diagram, which
-        slows down near obstacles.
+        slows down near obstacles. With ``sense="targets"`` it follows its path in either case.
     control_period_s : float
         How long a command of the nearness diagram is held, in seconds.
     lookahead_m : float

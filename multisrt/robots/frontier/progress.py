@@ -36,7 +36,9 @@ Robots that deliver data (`multisrt.robots.homing`) have errands besides::
 
 ============  ======================================================================================
 CHOOSING      The rule chooses a goal. If there is none, a car tries goals given up for want of a
-              path again once more is known, or a body is gone (``no way``, to CHOOSING).
+              path again once more is known, or a body is gone (``no way``, to CHOOSING). A robot
+              whose map changes while it waits for an answer before its end chooses again
+              (``news``, to CHOOSING).
 DRIVING       The robot drives to its goal.
 MEETING       The protective stop has ended a motion before another body. The robot looks for a
               detour, or asks the other to give way.
@@ -167,6 +169,7 @@ TRANSITIONS: Final[Mapping[State, Mapping[Event, State]]] = MappingProxyType(
         State.CHOOSING: {
             Event.GOAL: State.DRIVING,
             Event.NO_WAY: State.CHOOSING,
+            Event.NEWS: State.CHOOSING,
             Event.BARRED: State.WAITING,
             Event.BOXED_IN: State.BOXED_IN,
             Event.JAMMED: State.BOXED_IN,

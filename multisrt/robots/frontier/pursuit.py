@@ -149,8 +149,7 @@ class Pursuit:
             why=quarry.why,
             goal=goal,
             is_over=lambda: self._is_over(quarry),
-            until_s=quarry.met_s,
-            patience_s=self._options.pursue_wait_s,
+            until_s=quarry.met_s + self._options.pursue_wait_s,
         )
         if made.is_over() or made.is_late(now_s):
             self.note_end()

@@ -14,6 +14,9 @@ from multisrt.robots.homing.options import HomingOptions
 if TYPE_CHECKING:
     from multisrt.spec import RunSpec
 
+ROUNDING = 1e-9
+"""By how much probabilities that add up to one may exceed it."""
+
 
 class PursuitOptions(HomingOptions, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Parameters of robots that may pursue teammates: those of `HomingOptions`, and these.
@@ -55,7 +58,7 @@ class PursuitOptions(HomingOptions, frozen=True, kw_only=True, forbid_unknown_fi
         for name, holds, allowed in (
             ("pursue_gain", 0.0 <= self.pursue_gain < 1.0, "from 0 to below 1"),
             ("pursue_stay", 0.0 <= stay <= 1.0, "from 0 to 1"),
-            ("pursue_leave", 0.0 <= leave <= 1.0 - stay, "from 0 to 1 - pursue_stay"),
+            ("pursue_leave", 0.0 <= leave <= 1.0 - stay + ROUNDING, "from 0 to 1 - pursue_stay"),
             ("pursue_step_s", 0.0 < self.pursue_step_s < math.inf, "positive"),
             ("pursue_steps", self.pursue_steps >= 1, "at least 1"),
             ("pursue_wait_s", 0.0 < self.pursue_wait_s < math.inf, "positive"),

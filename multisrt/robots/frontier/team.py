@@ -303,8 +303,8 @@ class Team(Listener):
             case AssignmentMessage():
                 self.requests.assignment = message
             case ReadyMessage():
-                if self.pair is not None and self.pair.may_meet:
-                    self.requests.meet = True
+                if self.pair is not None:
+                    self._take_ready(self.pair)
             case RendezvousMessage():
                 if self.pair is not None:
                     yield from self._take_rendezvous(self.pair, message)
@@ -375,11 +375,15 @@ class Team(Listener):
         radio = self._me.radio
         is_linked = (radio.multi_hop or radio.reaches_all) and self.is_in_touch
         has_news = not is_linked and counts_beyond(report.have, self.base_has)
-        is_first = pair.rendezvous.number == 0
-        is_due = pair.is_paired and (is_first or now_s >= pair.rendezvous.due_s)
-        if (has_news or is_due) and pair.take_ready_turn(now_s, self.period_s):
+        if (has_news or pair.is_due(now_s)) and pair.take_ready_turn(now_s, self.period_s):
             ready = ReadyMessage(sender=self.number, number=pair.rendezvous.number)
             yield Send(ready, report.robot)
+
+    def _take_ready(self, pair: Pair) -> None:
+        """Meet the relay, which is here; before the time, only if there is something to carry."""
+        needs_relay = self.carries or pair.is_due(self._course.time_s)
+        if pair.may_meet and (needs_relay or not pair.is_paired):
+            self.requests.meet = True
 
     def _take_stop(self, message: StopMessage) -> None:
         goal = self._course.goal

@@ -108,6 +108,8 @@ class WavefrontCosts:
             else:
                 self._put_one_in_reach(self.field)
             self._leave_out_late()
+            if not every and self.field is not None and not self.is_choosable.any():
+                self._look_again(self.field)
             if every and self.field is not None:
                 own = self.field.distance(self._indices)
                 self.costs[self.row] = np.where(self.is_choosable, own, np.inf)
@@ -137,6 +139,13 @@ class WavefrontCosts:
         if self.robot.look_closer(field.reachable()) or is_some:
             self._take_targets()
             self._own_nearest = self._first(self.row, np.arange(len(self.targets)), math.inf)
+
+    def _look_again(self, field: DistanceField) -> None:
+        """Look for other cells of frontiers where there is no time for any target in reach."""
+        if self.robot.look_closer(field.reachable()):
+            self._take_targets()
+            self._own_nearest = self._first(self.row, np.arange(len(self.targets)), math.inf)
+            self._leave_out_late()
 
     def _leave_out_late(self) -> None:
         """Leave out of the deciding robot's own choice the targets that it has no time for."""

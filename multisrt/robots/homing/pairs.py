@@ -213,6 +213,11 @@ class Pair:
         """Whether it is the relay of its pair, even while it explores alone."""
         return self.may_meet and self._paired_role is Role.RELAY
 
+    def is_due(self, now_s: float) -> bool:
+        """Return whether it is time for the rendezvous, in seconds; for the first it always is."""
+        rendezvous = self.rendezvous
+        return self.is_paired and (rendezvous.number == 0 or now_s >= rendezvous.due_s)
+
     def target(self) -> Place:
         """Return where the robot goes to meet its partner, in metres."""
         rendezvous = self.rendezvous

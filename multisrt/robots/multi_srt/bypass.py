@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import compress
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -208,10 +209,15 @@ class Bypass:
         ends = grid.with_room([node for node in beyond if node not in starts])
         spots = grid.cells(_places(self.map, begins))
         places = _places(self.map, ends) if goal is None else np.array([goal])
-        if not len(begins) or not grid.has_room(places).any():
+        if not len(begins):
             return None
         before_m = np.array([starts[node] for node in begins])
         for _ in range(MAX_SEARCHES):
+            # Paths that come too near to walls block cells, those of places among them.
+            has_room = grid.has_room(places)
+            places, ends = places[has_room], list(compress(ends, has_room.tolist()))
+            if not len(places):
+                return None
             field = DistanceField(grid.room, grid.cell_m, places, x0=grid.x0, y0=grid.y0)
             best = _best_start(field, spots, before_m)
             if best is None:

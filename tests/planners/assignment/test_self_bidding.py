@@ -1,3 +1,4 @@
+from dataclasses import replace
 from itertools import permutations
 
 import numpy as np
@@ -212,6 +213,15 @@ def test_the_robot_with_more_of_its_path_left_goes_without():
     assert bid(0, [2.0, 5.0], a).matching.tolist() == [0, -1]
 
 
+def test_radii_too_small_for_a_map_grow_faster():
+    usual = CohesionRadii(range_m=10.0, diagonal_m=50.0)
+    assert [usual.radius_m(k) for k in range(3)] == [9.0, 14.0, 19.0]
+    for tiny in (CohesionRadii(range_m=1e-6, diagonal_m=50.0), replace(usual, step=1e-7)):
+        assert tiny.radius_m(0) == 0.9 * tiny.range_m
+        assert tiny.radius_m(9_999) < 50.0 + 0.9 * tiny.range_m
+        assert tiny.radius_m(10_000) >= 50.0
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [
@@ -219,7 +229,6 @@ def test_the_robot_with_more_of_its_path_left_goes_without():
         ({"a": [[1.0], [2.0]]}, "a has 2 rows; rho has 1 robots"),
         ({"path_gap": [[1.0, 2.0]]}, r"path_gap has the shape \(1, 2\); a has \(1, 1\)"),
         ({"step": 0.0}, "step is 0.0; it must be positive"),
-        ({"range_m": 1e-6}, "too small for a map of 50 m"),
         ({"diagonal_m": INF}, "diagonal_m is inf; it must be positive"),
     ],
 )

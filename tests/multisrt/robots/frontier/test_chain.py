@@ -37,14 +37,24 @@ RANGE_M = 10.0
 LINK_M = 9.0
 
 
-def go(robots=4, *, world=CORRIDOR, rule="minpos", faults=(), radio=None, limit_s=600.0, **options):
+def go(
+    robots=4,
+    *,
+    world=CORRIDOR,
+    rule="minpos",
+    faults=(),
+    radio=None,
+    limit_s=600.0,
+    base=(1.0, 1.2),
+    **options,
+):
     return simulate(
         RunSpec(
             environment=inline(world),
             strategy=rule,
             options={"home": "chain"} | options,
             robots=tuple(RobotSpec(start=start) for start in STARTS[:robots]),
-            base=BaseSpec(x=1.0, y=1.2),
+            base=BaseSpec(x=base[0], y=base[1]),
             radio=radio or RadioSpec(range_m=RANGE_M),
             stop=StopRule(max_time_s=limit_s),
             faults=faults,
@@ -148,6 +158,13 @@ def test_behind_walls_links_are_lines_of_sight():
     for _, (x, y) in stood:
         sight = shapely.LineString([(1.0, 1.2), (x, y)])
         assert world.free.buffer(1e-6).covers(sight)
+
+
+def test_a_base_station_in_a_cell_of_a_wall_is_linked():
+    radio = RadioSpec(range_m=RANGE_M, walls="block")
+    for x in (0.02, 1.0):
+        metrics = measure(go(2, radio=radio, limit_s=200.0, base=(x, 1.2)), CORRIDOR)
+        assert metrics.coverage > 0.25
 
 
 def test_a_robot_that_knows_no_way_home_looks_for_one():

@@ -11,6 +11,7 @@ import pytest
 import shapely
 
 from multisrt.analysis.measuring import measure
+from multisrt.environments.catalog import environment
 from multisrt.environments.environment import Environment
 from multisrt.events import BaseLearned, Decided, Ended, GoalChosen, Motion, NodeAdded, PresumedLost
 from multisrt.geometry.bodies.footprint import Footprint
@@ -539,6 +540,32 @@ def test_the_relay_brings_home_what_the_explorer_found():
         assert following.time_s <= due_s + 30.0
         # Its place is the next goal of the explorer.
         assert e.goal in [c.goal for c in recording.of(GoalChosen)]
+
+
+def test_a_relay_does_not_stop_its_explorer_for_data_that_the_base_has():
+    def meetings(multi_hop: bool) -> int:
+        recording = pair(radio=RadioSpec(range_m=70.0, multi_hop=multi_hop))
+        return sum("meets robot" in text for _, text in told(recording))
+
+    # All hear the base station, which hears them, whether messages are relayed or not.
+    assert meetings(multi_hop=False) == meetings(multi_hop=True)
+
+
+def test_where_no_target_is_in_time_other_cells_of_frontiers_are():
+    # In the maze at 35 s, the only frontier that there is time for begins out of reach.
+    world = environment("maze")
+    run = RunSpec(
+        environment=inline(world),
+        robots=(RobotSpec(),) * 2,
+        starts="clustered",
+        strategy="minpos",
+        options={"home": "in-time"},
+        base=BaseSpec(x=3.0, y=3.0),
+        radio=RadioSpec(range_m=6.0),
+        stop=StopRule(max_time_s=80.0),
+    )
+    ends = [end.time_s for end in simulate(run).of(Ended)]
+    assert min(ends) > 50.0
 
 
 def test_an_explorer_whose_relay_is_dead_brings_its_news_home_itself():

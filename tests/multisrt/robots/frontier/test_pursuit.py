@@ -22,6 +22,7 @@ from multisrt.robots.explorer import RadioSelf, RobotSelf
 from multisrt.robots.frontier.errand_steps import errand_now
 from multisrt.robots.frontier.options import FrontierOptions
 from multisrt.robots.frontier.pursuit import MAX_PURSUITS
+from multisrt.robots.frontier.pursuit_options import PursuitOptions
 from multisrt.robots.frontier.robot import FrontierRobot
 from multisrt.robots.registry import strategy
 from multisrt.simulation.simulate import simulate
@@ -94,14 +95,18 @@ def test_a_teammate_that_can_take_one_end_is_pursued_to_where_it_goes():
     # second after 8 s, 13 s and 17 s after the report: both in step 3, of 6 s. By then it has
     # gone on from the first with most probability.
     assert errand.goal.place == pytest.approx((24.0, 0.6), abs=0.1)
-    assert errand.until_s == 18.0
-    assert errand.waits_until_s(17.0) == 29.0
+    assert errand.waits_until_s(9.0) == errand.waits_until_s(17.0) == 18.0 + 12.0
     # Alone it drives 20 m to one end, and 40 m to the other. After a meeting in 9 s, or 4.5 m, it
     # is 24 m to the farther end.
     after, before = lengths_of(errand)
     assert (after, before) == (pytest.approx(28.5, abs=0.6), pytest.approx(60.0, abs=0.6))
     assert errand.what == "goes after a teammate"
     assert errand.purpose == "support"
+
+
+def test_probabilities_that_add_up_to_one_but_for_rounding_are_taken():
+    for leave in (0.1, 0.2, 0.3):
+        assert PursuitOptions(pursue_stay=1.0 - leave, pursue_leave=leave).pursue_leave == leave
 
 
 def test_a_share_can_be_asked_for_by_which_the_longest_route_gets_shorter():

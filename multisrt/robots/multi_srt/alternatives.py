@@ -66,7 +66,8 @@ class KnownAlternatives:
         at = Configuration(*state.place)
         d_min_m = options.distance_from_nodes_m(body.footprint.width_m)
         planner = SrtPlanner(body, state.kinematics, options, d_min_m)
-        others = self._map.places_near(at.x, at.y, state.range_m + d_min_m)
+        reach_m = max(state.range_m, region.range_m)
+        others = self._map.places_near(at.x, at.y, reach_m + d_min_m)
         for _ in range(options.max_new_targets):
             place, _ = planner.draw(at, region, frontier, others, [], self._robot.me.rng)
             if place is None:

@@ -113,7 +113,7 @@ def best_arc(
         if isinstance(found, NewPlace):
             place = found if found.is_interim else first_view(robot, found)
             if not robot.leaves_out(place):
-                if place is not found:
+                if (place.x, place.y) != (found.x, found.y):
                     robot.views.forget_look()
                 return found.is_interim, place
             robot.views.forget_look()

@@ -44,13 +44,16 @@ def bringing_home(robot: SrtRobot, task: Callable[[], Steps], tree: NodeId | Non
 
 
 def bring_the_rest(robot: SrtRobot, why: str) -> Steps:
-    """Go home with what the robot carries when it has nothing else to do."""
+    """Go home with what the robot carries when it has nothing else to do.
+
+    Not for data that shows nothing new: it gains such by giving way to others at home.
+    """
     homing = robot.homing
     if homing is None or robot.at.here is None or not homing.may_deliver:
         return
     # The answer to what was said last may be on its way.
     yield from robot.team.pause(robot.team.round_trip_s)
-    if homing.may_deliver and homing.route_from(robot.at.node) is not None:
+    if homing.carries_area and homing.route_from(robot.at.node) is not None:
         yield from go_home(robot, homing, why)
 
 
@@ -61,6 +64,7 @@ def go_home(robot: SrtRobot, homing: SrtHoming, why: str) -> Steps:
     """
     yield homing.decision_note(why)
     was_enabled, homing.is_enabled = homing.is_enabled, False
+    homing.goes_home = True
     robot.at.tree = None
 
     def next_choice(frontier: FloatArray, draws: Draws) -> Choosing:
@@ -76,4 +80,4 @@ def go_home(robot: SrtRobot, homing: SrtHoming, why: str) -> Steps:
     yield from robot.team.begin_step()
     yield from until_boxed_in(robot, take_steps(robot, next_choice))
     yield from homing.deliver()
-    homing.is_enabled = was_enabled
+    homing.is_enabled, homing.goes_home = was_enabled, False

@@ -55,7 +55,10 @@ class SrtExplorer:
                 yield from ask_those_in_the_way(robot)
                 if robot.deferred.is_due() and not self.is_out_of_time:
                     continue
+            known = robot.team.news()
             yield from bring_the_rest(robot, "it knows of nothing that is left to explore")
+            if robot.team.news() != known and not self.is_out_of_time:
+                continue
             if not (yield from robot.team.ask_again()):
                 yield from robot.team.take((yield self.done()))
             yield from self.in_time(self.give_way())

@@ -87,10 +87,7 @@ def take_steps(robot: SrtRobot, choose: TargetChooser) -> Steps:
             yield from robot.team.begin_step()
         try:
             gpr = yield from build_and_wait_gpr(robot)
-            if robot.at.here is None:
-                region = yield from perceive(robot)
-                yield from robot.trees.add(region, robot.journey.came)
-                robot.journey.resume()
+            yield from add_here(robot)
             robot.journey.note_here()
             yield from look(robot)
             ger = yield from build_ger(robot, gpr)
@@ -106,7 +103,16 @@ def take_steps(robot: SrtRobot, choose: TargetChooser) -> Steps:
             continue
         yield from move_to(robot, step)
         if robot.progress.is_boxed_in:
+            yield from add_here(robot)
             raise BoxedIn
+
+
+def add_here(robot: SrtRobot) -> Steps:
+    """Add the place at which the robot has arrived, or was stopped, as a node."""
+    if robot.at.here is None:
+        region = yield from perceive(robot)
+        yield from robot.trees.add(region, robot.journey.came)
+        robot.journey.resume()
 
 
 def look(robot: SrtRobot) -> Steps:
@@ -164,6 +170,8 @@ def decide(
     frontier_m = total_length(frontier)
     if robot.homing is not None:
         robot.homing.raise_if_due()
+        if robot.homing.has_delivered:
+            journey.target = None
     if team.status.waited >= robot.options.max_waits:
         journey.target = None
     if progress.state is State.JAMMED:

@@ -29,6 +29,9 @@ from multisrt.robots.multi_srt.whereabouts import Whereabouts
 CELL_M = 0.1
 """Width in metres of the cells in which areas are counted, unless the body is smaller."""
 
+LATE_S = 1e-3
+"""A robot that waits until it has to go home sets out this much later, in seconds."""
+
 
 class CalledHome(Exception):
     """The robot has to interrupt what it does, and go home."""
@@ -60,6 +63,8 @@ class SrtHoming:
     ----------
     is_enabled : bool
         Whether the robot may be called home; not while it goes home, or has ended.
+    goes_home : bool
+        Whether it goes home.
     has_left_out : bool
         Whether a target was left out of a choice, as there is no time for it; to be reset before a
         choice.
@@ -75,6 +80,7 @@ class SrtHoming:
         team: Team,
     ) -> None:
         self.is_enabled = True
+        self.goes_home = False
         self.has_left_out = False
         self._time = JustInTime.of(me, options)
         self._contact = ContactPlaces(me)
@@ -88,6 +94,30 @@ class SrtHoming:
         self._painted = 0
         self._delivered = DeliveredShare(known.entries, self._raster)
         self._unheard_s: float | None = None
+
+    @property
+    def has_delivered(self) -> bool:
+        """Whether the robot goes home and there is nothing left to deliver."""
+        return self.goes_home and not self._team.carries
+
+    @property
+    def carries_area(self) -> bool:
+        """Whether what the robot carries shows area that the base station does not know."""
+        return self._team.carries and self._delivered_share() < 1.0
+
+    def due_s(self) -> float:
+        """Return the time in seconds at which the robot has to go home if it stays until then.
+
+        Returns
+        -------
+        float
+            ``inf`` if it may stay for good.
+        """
+        if not self.is_enabled or self._at.here is None or not self.may_deliver:
+            return math.inf
+        route = self.route_from(self._at.here)
+        now_s = self._at.time_s
+        return math.inf if route is None else now_s + self._slack_s(now_s, route) + LATE_S
 
     def raise_if_due(self) -> None:
         """Raise `CalledHome` if the robot has to go home now.

@@ -94,6 +94,8 @@ class Planner:
         if steps_back and parent is not None and here != robot.at.tree:
             route = robot.routes.route(here, parent)
             if route is not None:
+                if robot.homing is not None and self._is_late(here):
+                    robot.homing.raise_out_of_time()
                 return "parent", KnownNode(tuple(route))
         return (yield from self._complete(here))
 
@@ -101,6 +103,10 @@ class Planner:
     def _has_left_out(self) -> bool:
         # Whether this choice has left a target out, as the robot has no time for it.
         return self._robot.homing is not None and self._robot.homing.has_left_out
+
+    def _is_late(self, here: NodeId) -> bool:
+        # Whether there is a node with frontier, and no time for any.
+        return self._robot.routes.to_nearest(here, self._may_go_to) is None and self._has_left_out
 
     def _may_go_to(self, node: NodeId) -> bool:
         # Whether a node has frontier that no body bars, and the robot time to go there.
@@ -119,7 +125,8 @@ class Planner:
         if biased and not len(frontier):
             return None
         x, y, _ = node.configuration
-        others = robot.map.places_near(x, y, sensing_m + robot.planner.d_min_m)
+        reach_m = max(sensing_m, node.region.range_m)  # that of another robot, at its nodes
+        others = robot.map.places_near(x, y, reach_m + robot.planner.d_min_m)
         near = [] if biased else robot.map.near(x, y, 2.0 * sensing_m)
         place, drawn = robot.planner.draw(
             robot.at.q_act,

@@ -297,11 +297,20 @@ def ask_those_in_the_way(robot: SrtRobot) -> Steps:
 
 
 def stand_by(robot: SrtRobot, until_s: float) -> Steps:
-    """Stand and listen, and give way where a master orders it, until there is news or until_s."""
-    news = robot.team.news()
+    """Stand and listen, and give way where a master orders it, until there is news or until_s.
+
+    Raises
+    ------
+    CalledHome
+        If the robot is to deliver data; see `homing`.
+    """
+    news, homing = robot.team.news(), robot.homing
     while robot.at.time_s < until_s:
-        yield from robot.team.hear(until_s - robot.at.time_s)
+        due_s = math.inf if homing is None else homing.due_s()
+        yield from robot.team.hear(max(0.0, min(until_s, due_s) - robot.at.time_s))
         yield from follow_orders(robot)
+        if homing is not None and robot.at.here is not None:
+            homing.raise_if_due()
         if robot.team.news() != news or robot.deferred.is_due():
             # More of it may follow at once.
             yield from robot.team.pause(robot.options.settle_s)

@@ -237,6 +237,17 @@ def test_a_stop_on_the_way_does_not_count_as_a_look(robot_at):
     assert robot.map.has_frontier(NodeId(0, 0))
 
 
+def test_a_look_from_the_end_of_the_way_counts(robot_at):
+    # All stops before the end are too near to a node.
+    robot = robot_at(room(-4, 4, "r"), d_min_m=8.0, stop_share=0.1, max_views=1)
+    looks = 0
+    while outcome_of(best_arc(robot, robot.deferred.arcs, never, Draws())) is not None:
+        robot.views._last_choice = None
+        looks += 1
+        assert looks < 5
+    assert looks
+
+
 @pytest.mark.parametrize(
     ("options", "said"),
     [

@@ -380,9 +380,10 @@ class Team(Listener):
             yield Send(ready, report.robot)
 
     def _take_ready(self, pair: Pair) -> None:
-        """Meet the relay, which is here; before the time, only if there is something to carry."""
-        needs_relay = self.carries or pair.is_due(self._course.time_s)
-        if pair.may_meet and (needs_relay or not pair.is_paired):
+        """Meet the relay, which is here; not before the time if the base station hears all."""
+        is_heard = self.is_in_touch and not self.carries
+        is_early = pair.is_paired and not pair.is_due(self._course.time_s)
+        if pair.may_meet and not (is_heard and is_early):
             self.requests.meet = True
 
     def _take_stop(self, message: StopMessage) -> None:

@@ -132,19 +132,22 @@ class WavefrontCosts:
 
     def _put_one_in_reach(self, field: DistanceField) -> None:
         """Find the nearest target; look for other cells if there is none, or one is left out."""
-        self._own_nearest = self._first(self.row, np.arange(len(self.targets)), math.inf)
+        self._find_nearest()
         is_some = self._own_nearest is not None
         if is_some and not self.robot.frontiers.leaves_out:
             return
         if self.robot.look_closer(field.reachable()) or is_some:
             self._take_targets()
-            self._own_nearest = self._first(self.row, np.arange(len(self.targets)), math.inf)
+            self._find_nearest()
+
+    def _find_nearest(self) -> None:
+        self._own_nearest = self._first(self.row, np.arange(len(self.targets)), math.inf)
 
     def _look_again(self, field: DistanceField) -> None:
         """Look for other cells of frontiers where there is no time for any target in reach."""
         if self.robot.look_closer(field.reachable()):
             self._take_targets()
-            self._own_nearest = self._first(self.row, np.arange(len(self.targets)), math.inf)
+            self._find_nearest()
             self._leave_out_late()
 
     def _leave_out_late(self) -> None:

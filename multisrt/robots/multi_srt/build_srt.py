@@ -37,7 +37,7 @@ from multisrt.robots.explorer import Action, Look, Note, Outcome, Sighting, Step
 from multisrt.robots.multi_srt.coordination import check_feasibility, coordinate
 from multisrt.robots.multi_srt.engagement import Regroup, agree, build_and_wait_gpr, build_ger
 from multisrt.robots.multi_srt.messages import path_of
-from multisrt.robots.multi_srt.move_to import go_on, move_to, perceive
+from multisrt.robots.multi_srt.move_to import add_here, go_on, move_to
 from multisrt.robots.multi_srt.planner import Found, Planner, TargetChooser
 from multisrt.robots.multi_srt.progress import BoxedIn, Event, State
 from multisrt.robots.multi_srt.robot import SrtRobot
@@ -87,7 +87,9 @@ def take_steps(robot: SrtRobot, choose: TargetChooser) -> Steps:
             yield from robot.team.begin_step()
         try:
             gpr = yield from build_and_wait_gpr(robot)
-            yield from add_here(robot)
+            if robot.at.here is None:
+                yield from add_here(robot)
+                robot.journey.resume()
             robot.journey.note_here()
             yield from look(robot)
             ger = yield from build_ger(robot, gpr)
@@ -105,14 +107,6 @@ def take_steps(robot: SrtRobot, choose: TargetChooser) -> Steps:
         if robot.progress.is_boxed_in:
             yield from add_here(robot)
             raise BoxedIn
-
-
-def add_here(robot: SrtRobot) -> Steps:
-    """Add the place at which the robot has arrived, or was stopped, as a node."""
-    if robot.at.here is None:
-        region = yield from perceive(robot)
-        yield from robot.trees.add(region, robot.journey.came)
-        robot.journey.resume()
 
 
 def look(robot: SrtRobot) -> Steps:

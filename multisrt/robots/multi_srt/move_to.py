@@ -86,11 +86,16 @@ def pause_a_while(robot: SrtRobot) -> Steps:
     yield from robot.team.pause(robot.options.pause_s * (0.25 + 0.75 * robot.me.rng.random()))
 
 
-def stand_aside(robot: SrtRobot) -> Steps:
-    """Stand idle for a while, so that another robot passes without asking this one to step."""
+def add_here(robot: SrtRobot) -> Steps:
+    """Add the place where the robot arrived, or was stopped, as a node, unless it is one."""
     if robot.at.here is None:
         region = yield from perceive(robot)
         yield from robot.trees.add(region, robot.journey.came)
+
+
+def stand_aside(robot: SrtRobot) -> Steps:
+    """Stand idle for a while, so that another robot passes without asking this one to step."""
+    yield from add_here(robot)
     yield from robot.team.rest()
     share = 0.5 + 0.5 * robot.me.rng.random()
     yield from robot.team.pause(robot.options.pause_s * share * robot.progress.backoff)

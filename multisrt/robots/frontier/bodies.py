@@ -30,8 +30,8 @@ class BodyInTheWay:
     seen_s : float
         When it was seen there.
     until_s : float
-        Until when it counts as an obstacle; ``inf`` if it does not answer: then until it is heard
-        of or seen elsewhere.
+        The first look after this drops it; ``inf`` if it does not answer: then it is an obstacle
+        until it is heard from or seen elsewhere.
     """
 
     sighting: Sighting
@@ -76,7 +76,15 @@ class Bodies:
         return [body.sighting for body in self._standing.values()]
 
     def add(self, sighting: Sighting, until_s: float = math.inf) -> None:
-        """Take a robot as an obstacle until a time; ``inf`` if it is presumed lost."""
+        """Take a robot as an obstacle until the first look after a time.
+
+        Parameters
+        ----------
+        sighting : Sighting
+            Where it was seen.
+        until_s : float
+            The time in seconds; ``inf`` if it is presumed lost.
+        """
         self._standing[sighting.robot] = BodyInTheWay(sighting, self._course.time_s, until_s)
 
     def note_heard(self, robot: int) -> None:

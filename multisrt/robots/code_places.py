@@ -26,10 +26,11 @@ def modules_of(cls: Any) -> list[ModuleType]:
     package = package_of(cls)
     if package == "multisrt":
         return []
+    prefix = f"{package}."
     return [
         module
         for name, module in list(sys.modules.items())
-        if isinstance(module, ModuleType) and name.partition(".")[0] == package
+        if (name == package or name.startswith(prefix)) and isinstance(module, ModuleType)
     ]
 
 

@@ -7,11 +7,11 @@ from contextlib import closing
 
 import pytest
 
-MISSIONS = 8
+MISSIONS = 16
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [11, 12, 13, 14])
+@pytest.mark.parametrize("seed", [11, 12])
 def test_a_short_campaign_finds_nothing(tmp_path, seed):
     command = ["campaign", "run", "--missions", str(MISSIONS), "--seed", str(seed), "--quiet"]
     made = subprocess.run(

@@ -25,7 +25,12 @@ from multisrt.terminal import LiveLine
 
 ROOT = Path(__file__).resolve().parents[1]
 RESULTS = ROOT / "docs" / "results"
-ROBUSTNESS = "robustness"
+EXAMPLES = {
+    "robustness": "robustness.toml",
+    "robustness-returning": "robustness_returning.toml",
+}
+"""Pages whose experiments are files of the folder `examples`."""
+
 EARLIER = "Made by an earlier version of this experiment"
 """How a page says that its runs are to be made anew."""
 
@@ -53,8 +58,8 @@ def main() -> None:
 
 def experiment(page: str) -> ExperimentSpec:
     """Return the experiment of a page."""
-    if page == ROBUSTNESS:
-        return ExperimentSpec.from_toml((ROOT / "examples" / "robustness.toml").read_text("utf-8"))
+    if page in EXAMPLES:
+        return ExperimentSpec.from_toml((ROOT / "examples" / EXAMPLES[page]).read_text("utf-8"))
     return PRESETS[page].experiment(False)
 
 
@@ -82,7 +87,7 @@ def _digest(run: PlannedRun) -> str:
 
 def _arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description="check published runs against this program")
-    parser.add_argument("page", choices=(*PRESETS, ROBUSTNESS))
+    parser.add_argument("page", choices=(*PRESETS, *EXAMPLES))
     parser.add_argument(
         "--runs", type=int, default=40, help="number of runs; 0 for all (default: 40)"
     )

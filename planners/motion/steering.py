@@ -3,8 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
+import shapely
+from shapely import Polygon
+from shapely.affinity import translate
+from shapely.geometry.base import BaseGeometry
+from shapely.geometry.polygon import orient
 
 from multisrt.geometry.configuration import Configuration, wrap_angle
 from multisrt.geometry.numerics.kernel import FloatArray
@@ -16,6 +22,7 @@ from multisrt.planners.motion.kinematics import (
     Kinematics,
     turns_between,
 )
+from multisrt.planners.motion.margin import MIN_MARGIN_M
 from multisrt.planners.motion.trajectory import Trajectory
 
 MIN_SAVED_S = 1e-6
@@ -230,6 +237,53 @@ def to_room_to_turn(
                 if has_room and body.passes(boundary, turned.end, direction, distance):
                     return turned.then(kinematics.drive(turned.end, x, y))
     return None
+
+
+def clear_of(
+    boundary: FloatArray, own: Polygon, others: Sequence[Polygon], apart_m: float
+) -> FloatArray | None:
+    """Return the part of a region in which a body stays as far from others as it is, or farther.
+
+    Parameters
+    ----------
+    boundary : (n, 2) array
+        The region in metres; it contains the body.
+    own : Polygon
+        The body where it is.
+    others : sequence of Polygon
+        The other bodies, which count as convex.
+    apart_m : float
+        A body that is farther away than this may come as near as this.
+
+    Returns
+    -------
+    (m, 2) array or None
+        It lacks what is behind the others, as seen by the body. None if the body touches one.
+
+    Examples
+    --------
+    >>> square = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]])
+    >>> own, other = shapely.box(1.0, 1.0, 1.5, 1.5), shapely.box(2.0, 1.0, 2.5, 1.5)
+    >>> left = shapely.Polygon(clear_of(square, own, [other], apart_m=0.1))
+    >>> [left.covers(shapely.Point(x, 1.2)) for x in (1.89, 1.91, 3.0)], left.covers(own)
+    ([True, False, False], True)
+    """
+    if not others:
+        return boundary
+    beyond_m = 2.0 * float(np.ptp(boundary, axis=0).sum())
+    region: BaseGeometry = Polygon(boundary)
+    for other in others:
+        line = shapely.shortest_line(own, other.convex_hull)
+        if line.length <= 2.0 * MIN_MARGIN_M:
+            return None
+        apart = other.convex_hull.buffer(min(line.length - 2.0 * MIN_MARGIN_M, apart_m))
+        (x0, y0), (x1, y1) = shapely.get_coordinates(line).tolist()
+        scale = beyond_m / line.length
+        behind = translate(apart, scale * (x1 - x0), scale * (y1 - y0))
+        region = region.difference(shapely.union(apart, behind).convex_hull)
+    parts = shapely.get_parts(region).tolist()
+    part = next((part for part in parts if part.intersects(own.representative_point())), None)
+    return None if part is None else shapely.get_coordinates(orient(part).exterior)[:-1]
 
 
 def turn_and_drive(

@@ -71,7 +71,7 @@ def test_the_sample_depends_on_the_seed_alone():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("page", [*PRESETS, published.ROBUSTNESS])
+@pytest.mark.parametrize("page", [*PRESETS, *published.EXAMPLES])
 def test_every_page_has_the_runs_of_its_experiment_or_says_that_it_has_not(page):
     keys = {run.key for run in runs(published.experiment(page), published.ROOT)}
     same = keys == published.read_digests(published.RESULTS / f"{page}.csv").keys()

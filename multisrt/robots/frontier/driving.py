@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Iterable
 from typing import Final
 
 from multisrt.events import Purpose
 from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.planners.motion.kinematics import Differential
-from multisrt.planners.motion.steering import to_room_to_turn
+from multisrt.planners.motion.steering import clear_of, to_room_to_turn
 from multisrt.planners.motion.trajectory import Trajectory
 from multisrt.planners.navigation.path_following import ahead, follow
 from multisrt.robots.explorer import Action, Move, Moved, Outcome, Sighting, Stop
@@ -123,12 +123,21 @@ def drive_leg(
 
 
 def pull_out(
-    robot: FrontierRobot, purpose: Purpose
+    robot: FrontierRobot, purpose: Purpose, seen: Iterable[Sighting] = ()
 ) -> Generator[Action, Outcome, Event | Sighting | None]:
     """Drive straight to where a body that is no disc has room to turn in place.
 
     The body turns first, by as little as it can. A robot does so only once at each place from which
     it cannot begin a leg of a path, as its corners would touch.
+
+    Parameters
+    ----------
+    robot : FrontierRobot
+        The robot.
+    purpose : str
+        Purpose of the motion, for the record.
+    seen : iterable of Sighting
+        Bodies that it does not approach, as its protective stop would end the motion.
 
     Returns
     -------
@@ -141,7 +150,10 @@ def pull_out(
         math.dist(here, place) < robot.options.cell_m for place in robot.pulled_out_from
     ):
         return Event.NO_WAY
-    motion = to_room_to_turn(robot.body, drive, robot.map.boundary, robot.at)
+    bodies = [sighting.footprint.placed(sighting.configuration) for sighting in seen]
+    own = robot.me.footprint.placed(robot.at)
+    region = clear_of(robot.map.boundary, own, bodies, robot.options.guard_m)
+    motion = None if region is None else to_room_to_turn(robot.body, drive, region, robot.at)
     if motion is None:
         return Event.NO_WAY
     robot.pulled_out_from.append(here)

@@ -7,6 +7,7 @@ no wider than one body, the other leaves the leader's path.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Generator
 
 import numpy as np
@@ -15,8 +16,8 @@ from multisrt.events import PresumedLost
 from multisrt.planners.navigation.path_following import ahead
 from multisrt.planners.navigation.right_of_way import place_aside
 from multisrt.robots.explorer import Action, Note, Outcome, Send, Sighting, Steps
-from multisrt.robots.frontier.bodies import has_moved
-from multisrt.robots.frontier.driving import REACHED_M, drive
+from multisrt.robots.frontier.bodies import MOVED_M, has_moved
+from multisrt.robots.frontier.driving import REACHED_M, drive, pull_out
 from multisrt.robots.frontier.goal import Goal
 from multisrt.robots.frontier.messages import GiveWayMessage
 from multisrt.robots.frontier.progress import Event, Progress
@@ -101,14 +102,19 @@ def give_way(robot: FrontierRobot, times: int) -> Steps:
     times : int
         How often it has already given way to that robot since its map last changed.
     """
-    team, pause_s = robot.team, robot.options.pause_s
+    team, pause_s, here = robot.team, robot.options.pause_s, robot.at[:2]
     asked, team.requests.give_way = team.requests.give_way, None
     assert asked is not None
     aside = yield from find_place_aside(robot, asked)
     if aside is not None and aside.cost_m > REACHED_M:
         robot.set_goal(aside)
-        if (yield from drive(robot, aside, "give way", to_see=False)) is Event.NO_WAY:
+        ended = yield from drive(robot, aside, "give way", to_see=False)
+        if ended is Event.NO_WAY:
             yield from leave_by_exit(robot, asked)
+        elif isinstance(ended, Sighting) and math.dist(robot.at[:2], here) <= MOVED_M:
+            # Its corners would come too near to the other when it turned.
+            seen = yield from robot.bodies.look()
+            yield from pull_out(robot, "give way", seen)
         robot.set_goal(None)
         yield from team.report()
     elif aside is None and not (yield from leave_by_exit(robot, asked)):

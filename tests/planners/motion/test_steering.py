@@ -11,7 +11,14 @@ from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
 from multisrt.planners.motion.body import PlanningBody
 from multisrt.planners.motion.kinematics import Differential, Holonomic
-from multisrt.planners.motion.steering import reach, steer, turn_and_drive
+from multisrt.planners.motion.margin import MIN_MARGIN_M
+from multisrt.planners.motion.steering import (
+    clear_of,
+    reach,
+    steer,
+    to_room_to_turn,
+    turn_and_drive,
+)
 from multisrt.planners.motion.trajectory import Trajectory, leg_length
 
 
@@ -216,3 +223,48 @@ def test_motions_arrive_and_stay_in_the_region(radii, body, heading, goal, kinem
             assert shapely.Point(at[:2]).distance(region.exterior) >= body.outer_radius_m
         else:
             assert region.contains(body.footprint.placed(at))
+
+
+@given(
+    st.floats(0.0, 2.0 * math.pi),
+    st.floats(0.0, 2.0 * math.pi),
+    st.floats(0.45, 2.0),
+    st.floats(0.0, 2.0 * math.pi),
+)
+def test_a_region_clear_of_another_holds_the_body_and_keeps_its_distance(a, b, away_m, bearing):
+    footprint = Footprint.parse("box:0.4x0.2")
+    square = np.array([[-3.0, -3.0], [3.0, -3.0], [3.0, 3.0], [-3.0, 3.0]])
+    own = footprint.placed((0.0, 0.0, a))
+    other = footprint.placed((away_m * math.cos(bearing), away_m * math.sin(bearing), b))
+    distance_m = own.distance(other)
+    region = clear_of(square, own, [other], apart_m=0.1)
+    if distance_m <= 2.0 * MIN_MARGIN_M:
+        assert region is None
+        return
+    assert region is not None
+    left = shapely.Polygon(region)
+    assert left.is_valid
+    assert left.exterior.is_ccw
+    assert left.covers(own)
+    assert left.distance(other) > min(distance_m, 0.1) - 3.0 * MIN_MARGIN_M
+
+
+def test_a_body_that_touches_another_is_clear_of_nothing():
+    square = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]])
+    assert clear_of(square, shapely.box(1, 1, 2, 2), [shapely.box(2, 1, 3, 2)], 0.1) is None
+    assert clear_of(square, shapely.box(1, 1, 2, 2), [], 0.1) is square
+
+
+def test_a_body_beside_another_drives_straight_to_where_it_can_turn():
+    square = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]])
+    body = PlanningBody(Footprint.parse("box:0.44x0.2"), margin_m=0.02)
+    at = Configuration(2.0, 2.0, 0.0)
+    own, other = body.footprint.placed(at), body.footprint.placed((2.0, 2.25, 0.0))
+    region = clear_of(square, own, [other], apart_m=0.1)
+    assert region is not None
+    assert not body.has_room(region, at)
+    motion = to_room_to_turn(body, Differential(), region, at)
+    assert motion is not None
+    assert motion.length_m > 0.3
+    assert motion.end.heading == motion.start.heading
+    assert body.has_room(region, motion.end)

@@ -188,13 +188,13 @@ class PlanningBody:
             joined[part] = disc_bridges(places, arrays, pairs[part], self.roomy_radius_m)
         return joined
 
-    def has_room(self, boundary: FloatArray, at: Configuration) -> bool:
-        """Whether the body at a position fits into a region in any heading."""
-        return self.is_disc or self.is_roomy(boundary, at)
+    def has_room(self, boundary: FloatArray, at: Configuration, spare_m: float = 0.0) -> bool:
+        """Whether the body at a position fits into a region in any heading, with some to spare."""
+        return self.is_disc or self.is_roomy(boundary, at, spare_m)
 
-    def is_roomy(self, boundary: FloatArray, at: Configuration) -> bool:
-        """Whether a region has room for `roomy_radius_m` around a position."""
-        return bool(disc_clearance(boundary, at.x, at.y) >= self.roomy_radius_m)
+    def is_roomy(self, boundary: FloatArray, at: Configuration, spare_m: float = 0.0) -> bool:
+        """Whether a region has room for `roomy_radius_m` and more around a position."""
+        return bool(disc_clearance(boundary, at.x, at.y) >= self.roomy_radius_m + spare_m)
 
     def _kept(self, boundary: FloatArray, x: float, y: float) -> float:
         """Return the radius that a disc keeps free on a motion from here."""

@@ -194,7 +194,11 @@ def _quickest_curve(
 
 
 def to_room_to_turn(
-    body: PlanningBody, kinematics: Differential, boundary: FloatArray, start: Configuration
+    body: PlanningBody,
+    kinematics: Differential,
+    boundary: FloatArray,
+    start: Configuration,
+    spare_m: float = 0.0,
 ) -> Trajectory | None:
     """Return a straight motion, after the smallest turn, to where a body fits in any heading.
 
@@ -206,6 +210,9 @@ def to_room_to_turn(
         The region in metres; it contains the body.
     start : Configuration
         Configuration of the body, in which it has no room to turn in place.
+    spare_m : float
+        Minimum distance to the border of the region in metres that the body is to have in any
+        heading, besides its margin.
 
     Returns
     -------
@@ -222,7 +229,7 @@ def to_room_to_turn(
     >>> motion.start.x < motion.end.x, body.has_room(square, motion.end)
     (True, True)
     """
-    if body.has_room(boundary, start):
+    if body.has_room(boundary, start, spare_m):
         return None
     steps = np.arange(1, PULL_OUT_STEPS + 1) * (4.0 * body.outer_radius_m / PULL_OUT_STEPS)
     for turn in PULL_OUT_TURNS:
@@ -233,7 +240,8 @@ def to_room_to_turn(
             for direction in (start.heading + turn, start.heading + turn + math.pi):
                 x = start.x + distance * math.cos(direction)
                 y = start.y + distance * math.sin(direction)
-                has_room = body.has_room(boundary, Configuration(x, y, turned.end.heading))
+                end = Configuration(x, y, turned.end.heading)
+                has_room = body.has_room(boundary, end, spare_m)
                 if has_room and body.passes(boundary, turned.end, direction, distance):
                     return turned.then(kinematics.drive(turned.end, x, y))
     return None

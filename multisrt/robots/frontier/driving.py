@@ -128,7 +128,8 @@ def pull_out(
     """Drive straight to where a body that is no disc has room to turn in place.
 
     The body turns first, by as little as it can. A robot does so only once at each place from which
-    it cannot begin a leg of a path, as its corners would touch.
+    it cannot begin a leg of a path, as its corners would touch; beside other bodies, which may
+    leave, once while its map stays the same.
 
     Parameters
     ----------
@@ -144,20 +145,26 @@ def pull_out(
     Event or Sighting or None
         As `drive_leg` returns it.
     """
-    drive = robot.me.kinematics
-    here = robot.at[:2]
+    drive, here, now = robot.me.kinematics, robot.at[:2], robot.raster.revision
+    bodies = [sighting.footprint.placed(sighting.configuration) for sighting in seen]
+    near_m, since = (REACHED_M, now) if bodies else (robot.options.cell_m, 0)
     if not isinstance(drive, Differential) or any(
-        math.dist(here, place) < robot.options.cell_m for place in robot.pulled_out_from
+        math.dist(here, place) < near_m and revision >= since
+        for place, revision in robot.pulled_out_from
     ):
         return Event.NO_WAY
-    bodies = [sighting.footprint.placed(sighting.configuration) for sighting in seen]
     own = robot.me.footprint.placed(robot.at)
-    region = clear_of(robot.map.boundary, own, bodies, robot.options.guard_m)
-    motion = None if region is None else to_room_to_turn(robot.body, drive, region, robot.at)
+    guard_m = robot.options.guard_m if bodies else 0.0
+    region = clear_of(robot.map.boundary, own, bodies, guard_m)
+    if region is None:
+        return Event.NO_WAY
+    motion = to_room_to_turn(robot.body, drive, region, robot.at, spare_m=guard_m)
     if motion is None:
         return Event.NO_WAY
-    robot.pulled_out_from.append(here)
-    return (yield from _make(robot, motion, purpose))
+    met = yield from _make(robot, motion, purpose)
+    if math.dist(robot.at[:2], here) > REACHED_M:
+        robot.pulled_out_from.append((here, now))
+    return met
 
 
 def _make(

@@ -26,7 +26,7 @@ from multisrt.robots.frontier.car_driving import CarDriver
 from multisrt.robots.frontier.course import Course
 from multisrt.robots.frontier.fields import NEAR_BY_CELLS, indices_of
 from multisrt.robots.frontier.frontiers import Frontiers
-from multisrt.robots.frontier.goal import Goal
+from multisrt.robots.frontier.goal import Goal, Place
 from multisrt.robots.frontier.homing import FrontierHoming
 from multisrt.robots.frontier.options import FrontierOptions
 from multisrt.robots.frontier.path_finder import PathFinder
@@ -83,8 +83,9 @@ class FrontierRobot:
         When it pursues teammates that are out of touch, if it may.
     car : CarDriver or None
         Plans its motions, if it is a car.
-    pulled_out_from : list of (x, y)
-        Where it had no room to turn, and drove straight to where it has.
+    pulled_out_from : list of (Place, int)
+        Where it had no room to turn, and drove straight to where it has; with the revision of the
+        raster.
 
     Raises
     ------
@@ -101,7 +102,7 @@ class FrontierRobot:
         self.body = PlanningBody(me.footprint, 0.5 * options.margin_m)
         self._watch = watch
         self._told_complete = False
-        self.pulled_out_from: list[tuple[float, float]] = []
+        self.pulled_out_from: list[tuple[Place, int]] = []
         # When a scan was last added to the map, and the last scan if it was not.
         self._mapped_s = -math.inf
         self._not_mapped: Scan | None = None

@@ -27,7 +27,9 @@ NO_ERROR, ENDS, JUDGED = "no-error", "ends", "can-be-judged"
 
 MIN_STEPS: Final = 20_000
 STEPS_PER_ROBOT_S: Final = 100
-"""Maximum number of events of the clock: in any run, and added for each robot and second."""
+STEPS_PER_PAIR_S: Final = 30
+"""Maximum number of events of the clock: in any run, and added for each second and each robot, and
+for each pair of them in either order, as each tells the others what it sees."""
 
 MAX_TEXT: Final = 400
 """Length to which messages of errors are cut, in characters."""
@@ -181,7 +183,9 @@ def max_steps(spec: RunSpec) -> int:
     >>> max_steps(ms.RunSpec(environment=ms.CatalogEnvironment(name="open"), stop=stop))
     30000
     """
-    return MIN_STEPS + int(STEPS_PER_ROBOT_S * len(spec.robots) * spec.stop.max_time_s)
+    team = len(spec.robots)
+    a_second = STEPS_PER_ROBOT_S * team + STEPS_PER_PAIR_S * team * (team - 1)
+    return MIN_STEPS + int(a_second * spec.stop.max_time_s)
 
 
 def _judged(setup: SetUp, begin_s: float) -> Judged:

@@ -6,7 +6,7 @@ import msgspec
 import pytest
 
 from multisrt.campaign import mission
-from multisrt.campaign.mission import described, judge, judge_recorded, make
+from multisrt.campaign.mission import described, judge, judge_recorded, make, max_steps
 from multisrt.campaign.violations import MAX_LENGTH, Violation
 from multisrt.events import Decided
 from multisrt.robots.explorer import Done, Note, Receive
@@ -101,6 +101,12 @@ def test_a_run_without_end_is_a_violation(own, way, monkeypatch):
     verdict = judge(own(way))
     assert verdict.outcome == "endless"
     assert verdict.violations[0].invariant == "ends"
+
+
+def test_the_limit_on_events_grows_with_what_robots_tell_one_another():
+    # Ten robots in an office had 52,422 in 20 s, most of them messages that arrived.
+    spec = RunSpec(environment=HALL, robots=(RobotSpec(),) * 10, stop=StopRule(max_time_s=20.0))
+    assert max_steps(spec) > 52_422
 
 
 def test_an_impossible_run_is_refused():

@@ -199,16 +199,18 @@ class PlaceFinder:
             apart = np.hypot(*(spots[begins] - some[:, None]).transpose(2, 0, 1))
             nearest = begins[np.argsort(apart, axis=1, kind="stable")[:, :NEAREST_NODES]]
             paths = np.dstack([spots[nearest], np.repeat(some[:, None], nearest.shape[1], 1)])
-            clear = known.passes(paths.reshape(-1, 4), radius_m)
+            passes = np.ones(len(paths) * nearest.shape[1], np.bool_)
             if bodies is not None:
-                clear &= paths_keep_clear(paths.reshape(-1, 4), bodies)
+                passes = paths_keep_clear(paths.reshape(-1, 4), bodies)
+            clear = known.passes(paths.reshape(-1, 4), radius_m) & passes
             clear = clear.reshape(nearest.shape) & roomy[nearest]
-            for i in np.flatnonzero(clear.any(axis=1) | ~roomy[nearest].all(axis=1)).tolist():
+            narrow = passes.reshape(nearest.shape) & ~roomy[nearest]
+            for i in np.flatnonzero((clear | narrow).any(axis=1)).tolist():
                 x, y = some[i].tolist()
-                for k, is_clear in zip(nearest[i].tolist(), clear[i].tolist(), strict=True):
-                    if is_clear:
+                for j, k in enumerate(nearest[i].tolist()):
+                    if clear[i, j]:
                         return ViewingPlace(x, y, k, roomy=True)
-                    if not roomy[k] and self._leaves_a_narrow_node(nodes[k], x, y):
+                    if narrow[i, j] and self._leaves_a_narrow_node(nodes[k], x, y):
                         return ViewingPlace(x, y, k, roomy=False)
             done, batch = done + batch, BATCH_PATHS // nearest.shape[1]
         return "not reachable"

@@ -27,16 +27,27 @@ from multisrt.campaign.invariants.completeness import (
     chain_reaches_no_goal,
     complete_is_complete,
 )
+from multisrt.campaign.invariants.decisions import goals_by_rule
 from multisrt.campaign.invariants.endings import ends
 from multisrt.campaign.invariants.free_space import free_is_free
 from multisrt.campaign.invariants.hearing import hearers_learn
 from multisrt.campaign.invariants.knowledge import knowledge_by_scan_or_message
-from multisrt.campaign.invariants.links import messages_over_links, reaches_all_in_reach
+from multisrt.campaign.invariants.links import (
+    losses_at_rate,
+    messages_over_links,
+    reaches_all_in_reach,
+)
 from multisrt.campaign.invariants.measures import measures_consistent
 from multisrt.campaign.invariants.merging import closings_are_for_some, merge_order
-from multisrt.campaign.invariants.motion import motion_continuous, motion_within_drive
+from multisrt.campaign.invariants.motion import (
+    motion_at_full_speed,
+    motion_continuous,
+    motion_within_drive,
+    stops_before_bodies,
+)
 from multisrt.campaign.invariants.progress import drives_get_somewhere
 from multisrt.campaign.invariants.reasons import incomplete_for_a_reason
+from multisrt.campaign.invariants.returning import data_is_returned, ends_at_home
 from multisrt.campaign.invariants.starting import starts_and_faults
 from multisrt.campaign.invariants.waiting import waits_within_limits
 from multisrt.campaign.judged_run import JudgedRun
@@ -53,14 +64,20 @@ INVARIANTS: Final[Mapping[str, Invariant]] = MappingProxyType(
         "starts-and-faults": starts_and_faults,
         "motion-continuous": motion_continuous,
         "motion-within-drive": motion_within_drive,
+        "motion-at-full-speed": motion_at_full_speed,
+        "stops-before-bodies": stops_before_bodies,
         "no-collision": no_collision,
         "free-is-free": free_is_free,
         "messages-over-links": messages_over_links,
         "reaches-all-in-reach": reaches_all_in_reach,
+        "losses-at-rate": losses_at_rate,
         "knowledge-by-scan-or-message": knowledge_by_scan_or_message,
         "hearers-learn": hearers_learn,
         "merge-order": merge_order,
         "closings-are-for-some": closings_are_for_some,
+        "goals-by-rule": goals_by_rule,
+        "data-is-returned": data_is_returned,
+        "ends-at-home": ends_at_home,
         "complete-is-complete": complete_is_complete,
         "boxed-in-is-boxed-in": boxed_in_is_boxed_in,
         "chain-reaches-no-goal": chain_reaches_no_goal,

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Final
 
-from multisrt.campaign.invariants.waiting import limit
+from multisrt.campaign.invariants.waiting import leads_on, limit
 from multisrt.campaign.judged_run import ROUNDING_S, JudgedRun
 from multisrt.campaign.violations import MAX_LENGTH, Violation, quoted
-from multisrt.events import Collision, Died, Ended, Sent
+from multisrt.events import AnyEvent, BaseLearned, Collision, Died, Ended, Motion, NodeAdded, Sent
 from multisrt.simulation.standstill import NOTHING_NEW
 
 NAME: Final = "ends"
@@ -29,7 +29,9 @@ def ends(run: JudgedRun) -> Violation | None:
     only if all robots that are alive ended as complete, and `out_of_time` only at the time limit.
     It is not `stalled` because of robots that wait for a message that never comes, since no robot
     may do that. Reasons are not empty, nothing happens after the end, and a run that no limit ended
-    ended with an event, or with the arrival of a message or the end of a wait after it.
+    ended with an event, or with the arrival of a message or the end of a wait after it. A run that
+    its stop rule ended because nothing new came lasts as long as that rule allows after the last
+    motion that led on, and the last node that a robot added or the base station learned.
 
     Cost: negligible.
     """
@@ -57,7 +59,19 @@ def _wrong(run: JudgedRun) -> Iterator[str]:
     is_cut_off = footer.outcome == "out_of_time" or NOTHING_NEW in footer.reason
     if not is_cut_off and last_s + _longest_s(run) < footer.time_s - ROUNDING_S:
         yield f"it ends at {footer.time_s:.2f} s, but the last event is at {last_s:.2f} s"
+    news_s = max((_news_s(event) for event in recording.events), default=0.0)
+    if NOTHING_NEW in footer.reason and footer.time_s < news_s + stop.max_idle_s - ROUNDING_S:
+        yield (
+            f"it ends at {footer.time_s:.2f} s as nothing new came for {stop.max_idle_s:g} s, but "
+            f"something did at {news_s:.2f} s"
+        )
     yield from _misnamed(run)
+
+
+def _news_s(event: AnyEvent) -> float:
+    if isinstance(event, Motion):
+        return event.waypoints[-1][0] if leads_on(event) else 0.0
+    return event.time_s if isinstance(event, NodeAdded | BaseLearned) else 0.0
 
 
 def _longest_s(run: JudgedRun) -> float:

@@ -22,6 +22,12 @@ NAME: Final = "free-is-free"
 TOLERANCE_M: Final = 1e-5
 """Maximum depth of a region in an obstacle, or out of sight, in metres."""
 
+AT_RANGE: Final = "1"
+"""Tag of pieces of a border that lie at the range."""
+
+AT_RANGE_M: Final = 1e-6
+"""Maximum distance of the corners of such pieces from the range, in metres."""
+
 RANGE_M: Final = 1e-3
 """Maximum reach of a region beyond the range, in metres."""
 
@@ -34,8 +40,9 @@ def free_is_free(run: JudgedRun) -> Violation | None:
     With a laser it may also contain details of obstacles of up to 0.01 m, and, in a world with
     obstacles thinner than the distance between beams or with sharp corners, obstacles that the
     beams missed: those whose distance from free space is at most half the distance between two
-    beams at full range. Robots fill their rasters with these regions and with those received from
-    others, so nothing else is taken as free.
+    beams at full range. Where the region of an exact range finder ends as out of range, it does so
+    at the range, to 1e-6 m. Robots fill their rasters with these regions and with those received
+    from others, so nothing else is taken as free.
 
     Cost: one test for each region; a few milliseconds per run.
     """
@@ -74,6 +81,12 @@ def _not_seen(corners: FloatArray, node: NodeAdded, spec: RobotSpec) -> str | No
     arms = corners - np.array(node.configuration[:2])
     following = np.roll(arms, -1, axis=0)
     farthest_m = float(np.hypot(*arms.T).max())
+    at_range = np.frombuffer(node.tags.encode(), np.uint8) == ord(AT_RANGE)
+    if spec.range_finder.beams is None and at_range.any():
+        ends_m = np.hypot(*arms[at_range].T), np.hypot(*np.roll(arms, -1, axis=0)[at_range].T)
+        nearest_m = float(np.minimum(*ends_m).min())
+        if nearest_m < spec.range_finder.range_m - AT_RANGE_M:
+            return f"ends at {nearest_m:.3f} m as out of range, {spec.range_finder.range_m:g} m"
     if farthest_m > spec.range_finder.range_m + RANGE_M:
         return f"reaches {farthest_m:.3f} m, beyond the range of {spec.range_finder.range_m:g} m"
     # Seen from the place the corners follow one another counter-clockwise, once around.

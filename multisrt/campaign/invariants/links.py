@@ -18,6 +18,10 @@ from multisrt.spec import Silence
 
 NAME: Final = "messages-over-links"
 REACHES_ALL: Final = "reaches-all-in-reach"
+LOSSES: Final = "losses-at-rate"
+
+ODDS: Final = 1e9
+"""A loss rate by which what was lost is as improbable as one in this is not that of the spec."""
 
 ROUNDING_S: Final = 1e-6
 """At the very moment at which a radio fails or works again, both are right, to this (s)."""
@@ -55,6 +59,29 @@ def reaches_all_in_reach(run: JudgedRun) -> Violation | None:
     """
     links = _Links(run, is_sure=True)
     return next(links.violations(REACHES_ALL, _Links.missed), None)
+
+
+def losses_at_rate(run: JudgedRun) -> Violation | None:
+    """Check that messages are lost at the rate of the radio.
+
+    The numbers of receptions and losses are compared with the rate by the likelihood ratio of all
+    rates together (each as likely) to it. If losses are drawn at the rate, independently, the ratio
+    is ever as high as 1e9 in one run of 1e9 at most, whenever the run ends (Ville's inequality).
+
+    Cost: negligible.
+    """
+    loss, sent = run.recording.spec.radio.loss, run.recording.of(Sent)
+    lost = sum(len(message.lost) for message in sent)
+    came = sum(len(message.reached) for message in sent)
+    if loss == 0.0 or lost + came == 0:
+        return None
+    mixed = math.lgamma(lost + 1) + math.lgamma(came + 1) - math.lgamma(lost + came + 2)
+    if mixed - lost * math.log(loss) - came * math.log1p(-loss) <= math.log(ODDS):
+        return None
+    return Violation(
+        invariant=LOSSES,
+        says=f"{lost} of {lost + came} receptions are lost, by a radio that loses {loss:g} of them",
+    )
 
 
 class _Links:

@@ -125,7 +125,7 @@ def _silences(run: JudgedRun) -> Iterator[Said]:
     for again in run.recording.of(CameBack):
         back[again.robot].append(again.time_s)
     for robot in run.robots:
-        spells = _spells(run, robot)
+        spells = silent_spells(run, robot)
         for times_s, due_s, what in (
             (fell[robot], [begin_s for begin_s, _ in spells], "falls silent"),
             (back[robot], [end_s for _, end_s in spells], "works again"),
@@ -138,7 +138,7 @@ def _silences(run: JudgedRun) -> Iterator[Said]:
                     yield robot, time_s, f"has a radio that never {what}, which is due"
 
 
-def _spells(run: JudgedRun, robot: int) -> list[tuple[float, float]]:
+def silent_spells(run: JudgedRun, robot: int) -> list[tuple[float, float]]:
     """Return the intervals in which the radio of a robot is to be silent, merged."""
     on_s, _ = run.present_s(robot)
     found: list[tuple[float, float]] = []

@@ -175,7 +175,7 @@ def _happenings(run: JudgedRun, team: list[int]) -> Iterator[float]:
         match event:
             case Died() | Joined() | FellSilent() | CameBack():
                 yield event.time_s
-            case Motion() if event.robot in team and _leads_on(event):
+            case Motion() if event.robot in team and leads_on(event):
                 # While a robot moves, nobody waits in vain.
                 begin_s, end_s = event.waypoints[0][0], event.waypoints[-1][0]
                 steps = max(1, math.ceil((end_s - begin_s) / 10.0))
@@ -189,7 +189,8 @@ def _happenings(run: JudgedRun, team: list[int]) -> Iterator[float]:
             yield min(fault.time_s + fault.duration_s, run.end_s)
 
 
-def _leads_on(motion: Motion) -> bool:
+def leads_on(motion: Motion) -> bool:
+    """Return whether a motion leads anywhere: by more than `MOVED_M`."""
     _, *first = motion.waypoints[0]
     return any(
         math.dist(first[:2], (x, y)) > MOVED_M or abs(heading - first[2]) > MOVED_M

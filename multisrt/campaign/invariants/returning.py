@@ -1,0 +1,108 @@
+"""Robots that are to return their data have returned it when they end."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import numpy as np
+import shapely
+
+from multisrt.campaign.invariants.open_frontier import united
+from multisrt.campaign.judged_run import ROUNDING_M, JudgedRun
+from multisrt.campaign.violations import Violation, quoted
+from multisrt.events import BaseLearned, NodeName
+from multisrt.planners.home_options import NO_TIME_LEFT
+from multisrt.spec import Silence
+
+NAME: Final = "data-is-returned"
+AT_HOME: Final = "ends-at-home"
+
+AT_HOME_M: Final = 1e-3
+"""Maximum distance from its root at which a single robot ends, in metres."""
+
+MARGIN_M: Final = 0.05
+"""Robots subtract this from the range of the radio, in metres."""
+
+LEAST_M2: Final = 0.05
+"""Smaller areas that the base station lacks are scraps."""
+
+
+def data_is_returned(run: JudgedRun) -> Violation | None:
+    """Check that the base station finally knows what robots know that were to return it.
+
+    With a base station and a `home` other than `never`, each robot that is alive, and whose last
+    end says that its map is complete or that no time is left, has delivered all nodes that it knew
+    when it ended, but for parts of them of together less than 0.05 m2. This holds if it knew a
+    place where it is certainly heard: a node at most the range of the radio and 0.05 m away from
+    the base station and, where walls matter, with the base station in its region. Runs in which
+    radios fail are not judged: robots may give up what is not heard.
+
+    Cost: an overlay for each such robot that has not delivered all nodes.
+    """
+    spec = run.recording.spec
+    if run.family == "other" or spec.base is None or run.options["home"] == "never":
+        return None
+    if any(isinstance(fault, Silence) for fault in spec.faults):
+        return None
+    delivered = {
+        (robot, serial) for event in run.recording.of(BaseLearned) for robot, serial in event.nodes
+    }
+    for robot, end in sorted(run.ends.items(), key=lambda item: item[1].time_s):
+        if math.isfinite(run.present_s(robot)[1]):
+            continue
+        if not (end.complete or end.reason.startswith(NO_TIME_LEFT)):
+            continue
+        known = [name for name, time_s in run.known[robot].items() if time_s <= end.time_s]
+        lacking = [name for name in known if name not in delivered]
+        if not lacking or not any(_is_heard_at(run, name) for name in known):
+            continue
+        here = [name for name in known if name in delivered]
+        area_m2 = united(run, known).area - (united(run, here).area if here else 0.0)
+        if area_m2 > LEAST_M2:
+            return Violation(
+                invariant=NAME,
+                says=f"robot {robot} ended at {end.time_s:.2f} s ({quoted(end.reason)}), but the "
+                f"base station lacks {area_m2:.2f} m2 of what it knew",
+                robot=robot,
+                time_s=end.time_s,
+            )
+    return None
+
+
+def ends_at_home(run: JudgedRun) -> Violation | None:
+    """Check that a single robot of the SRT family whose map is complete ends at its root.
+
+    It ends there to 1e-3 m. Not judged are cars, robots that return data, which may end where they
+    deliver it, and teams, in which others may be in the way.
+
+    Cost: negligible.
+    """
+    is_judged = run.recording.spec.base is None or run.options.get("home") == "never"
+    end = run.ends.get(0)
+    if run.family != "srt" or len(run.robots) > 1 or not is_judged:
+        return None
+    if end is None or not end.complete or run.recording.spec.robots[0].drive.is_car:
+        return None
+    place = run.tracks[0].at(np.array([end.time_s]))[0, :2].tolist()
+    away_m = math.dist(place, run.recording.header.starts[0][:2])
+    if away_m <= AT_HOME_M:
+        return None
+    return Violation(
+        invariant=AT_HOME,
+        says=f"robot 0 ended at {end.time_s:.2f} s ({quoted(end.reason)}), {away_m:.3f} m from its "
+        "root",
+        robot=0,
+        time_s=end.time_s,
+    )
+
+
+def _is_heard_at(run: JudgedRun, name: NodeName) -> bool:
+    spec = run.recording.spec
+    assert spec.base is not None
+    place = run.nodes[name].configuration[:2]
+    if math.dist(place, spec.base.place) > spec.radio.reach_m - MARGIN_M - ROUNDING_M:
+        return False
+    if spec.radio.walls == "pass":
+        return True
+    return bool(shapely.contains_xy(run.regions[name], *spec.base.place))

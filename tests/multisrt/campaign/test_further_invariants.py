@@ -1,0 +1,166 @@
+"""Invariants of decisions, speeds, losses, measures, returned data and ends."""
+
+import msgspec
+import pytest
+
+from multisrt.campaign.invariants import INVARIANTS, JudgedRun, measures
+from multisrt.events import BaseLearned, Blocked, Ended, GoalChosen, NodeAdded, Sent
+from multisrt.simulation.simulate import simulate
+from multisrt.simulation.standstill import NOTHING_NEW
+from multisrt.simulation.worlds import build_environment
+from multisrt.spec import BaseSpec, CatalogEnvironment, RadioSpec, RobotSpec, RunSpec, StopRule
+from tests.multisrt.campaign.tampering import changed, drive, once, written
+
+replace = msgspec.structs.replace
+OPEN = CatalogEnvironment(name="open", parameters={"size_m": 8.0})
+
+
+def executed(spec):
+    environment = build_environment(spec.environment)
+    return JudgedRun(recording=simulate(spec, environment), environment=environment)
+
+
+@pytest.fixture(scope="module")
+def bids():
+    return executed(
+        RunSpec(
+            environment=OPEN,
+            strategy="minpos",
+            options={"home": "in-time"},
+            robots=(RobotSpec(),) * 3,
+            radio=RadioSpec(range_m=5.0, latency_s=0.1),
+            base=BaseSpec(x=1.0, y=1.0),
+            stop=StopRule(max_time_s=300.0),
+            seed=3,
+        )
+    )
+
+
+def says(run, name):
+    violation = INVARIANTS[name](run)
+    return "" if violation is None else violation.says
+
+
+NEW = (
+    "losses-at-rate",
+    "motion-at-full-speed",
+    "stops-before-bodies",
+    "goals-by-rule",
+    "data-is-returned",
+    "free-is-free",
+    "ends",
+    "measures-consistent",
+)
+
+
+def test_a_good_run_holds_them(bids):
+    assert [says(bids, name) for name in NEW] == [""] * len(NEW)
+
+
+@pytest.mark.parametrize(("lost", "finds"), [(200, False), (320, True), (100, True)])
+def test_losses_at_another_rate(lost, finds):
+    sent = [
+        Sent(
+            time_s=0.01 * k,
+            robot=0,
+            kind="report",
+            size_bytes=9,
+            reached=() if k < lost else (1,),
+            lost=(1,) if k < lost else (),
+        )
+        for k in range(1000)
+    ]
+    starts = ((1.0, 1.5, 0.0), (3.0, 1.5, 0.0))
+    run = written(sent, starts=starts, radio=RadioSpec(loss=0.2))
+    found = "of 1000 receptions are lost, by a radio that loses 0.2" in says(run, "losses-at-rate")
+    assert found == finds
+
+
+def test_a_slow_leg():
+    run = written([drive(0, (0.0, 2.0, 1.5, 0.0), (1.3, 2.5, 1.5, 0.0))], strategy="closest")
+    assert "takes 1.3000 s for a leg, at 0.00 s, for which 1.0000 s" in says(
+        run, "motion-at-full-speed"
+    )
+
+
+def test_a_stop_too_far_from_a_body():
+    starts = ((1.0, 1.5, 0.0), (3.0, 1.5, 0.0))
+    stop = Blocked(time_s=1.0, robot=0, by=1, configuration=starts[0])
+    run = written([stop], starts=starts, strategy="closest")
+    assert "stopped 1.5000 m before robot 1, guarding 0.1 m" in says(run, "stops-before-bodies")
+
+
+def test_a_goal_of_a_higher_rank(bids):
+    def other(chosen):
+        return replace(
+            chosen,
+            goal=chosen.frontiers[0],
+            ranks=((9,) * len(chosen.frontiers),) * len(chosen.robots),
+            costs=((1.0, *(0.5,) * (len(chosen.frontiers) - 1)),) * len(chosen.robots),
+        )
+
+    which = next(
+        k
+        for k, g in enumerate(bids.recording.of(GoalChosen))
+        if len(g.frontiers) > 1 and g.goal is not None
+    )
+    assert "its goal has rank and cost" in says(
+        changed(bids, once(GoalChosen, other, which)), "goals-by-rule"
+    )
+
+
+@pytest.mark.parametrize(("x", "finds"), [(2.0, False), (2.5, True)])
+def test_a_single_robot_that_ends_away_from_its_root(x, finds):
+    end = Ended(time_s=2.0, robot=0, reason="all is explored", complete=True, frontier=())
+    motion = drive(0, (0.0, 2.0, 1.5, 0.0), (1.0, x, 1.5, 0.0))
+    run = written([motion, end], strategy="srt-radial")
+    assert ("0.500 m from its root" in says(run, "ends-at-home")) == finds
+
+
+def test_what_the_base_station_never_learned(bids):
+    lost = changed(bids, lambda e: None if isinstance(e, BaseLearned) else e)
+    assert "but the base station lacks" in says(lost, "data-is-returned")
+
+
+def test_a_region_that_ends_before_the_range():
+    run = executed(
+        RunSpec(
+            environment=CatalogEnvironment(name="open", parameters={"size_m": 20.0}),
+            strategy="closest",
+            stop=StopRule(max_time_s=10.0),
+        )
+    )
+
+    def shorter(node):
+        x, y, _ = node.configuration
+        return replace(
+            node,
+            boundary=tuple((x + 0.9 * (cx - x), y + 0.9 * (cy - y)) for cx, cy in node.boundary),
+        )
+
+    assert says(run, "free-is-free") == ""
+    assert "as out of range" in says(changed(run, once(NodeAdded, shorter)), "free-is-free")
+
+
+def test_a_run_that_ends_before_it_stood_still_for_long(bids):
+    short = changed(bids, outcome="stalled", reason=f"{NOTHING_NEW} for 3,600 s: robot 0 waits")
+    assert "as nothing new came for 3600 s, but something did" in says(short, "ends")
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "total_distance_m",
+        "waiting_time_s",
+        "deliveries",
+        "nodes",
+        "min_clearance_m",
+        "coverage_integral_s",
+    ],
+)
+def test_measures_that_are_not_those_of_the_events(bids, name, monkeypatch):
+    monkeypatch.setattr(measures, "ONE_IN", 1)
+    said, curves = measures.measure_with_curves(bids.recording, bids.environment)
+    wrong = replace(said, **{name: 1.5 * getattr(said, name) + 1.0})
+    monkeypatch.setattr(measures, "measure_with_curves", lambda *_: (wrong, curves))
+    assert name in says(bids, "measures-consistent")

@@ -81,6 +81,27 @@ MUTANTS: Final = (
         new="Frontiers(raster, width_m, options.min_frontier_m or 3.0 * width_m)",
     ),
     Mutant(
+        name="farther-of-two",
+        breaks="With MinPos, robots go to the farther of two frontiers of equal rank.",
+        file="planners/assignment/minpos.py",
+        old="if P[robot, j] < lowest:",
+        new="if P[robot, j] <= lowest:",
+    ),
+    Mutant(
+        name="ends-anywhere",
+        breaks="Robots of the SRT family end where they are, instead of at their roots.",
+        file="robots/multi_srt/planner.py",
+        old="if here == tree or supports:",
+        new="if here is not None:",
+    ),
+    Mutant(
+        name="data-never-returned",
+        breaks="Robots of the frontier family that are to return data go home only in chains.",
+        file="robots/frontier/robot.py",
+        old='if options.home == "never" or me.base is None',
+        new='if options.home != "chain" or me.base is None',
+    ),
+    Mutant(
         name="chain-too-short",
         breaks="Chains of relays count on links of 0.6 times the length that they may have.",
         file="robots/frontier/chain.py",
@@ -111,5 +132,19 @@ MUTANTS: Final = (
         file="analysis/measuring.py",
         old='"time_to_90_s": covered.time_to(0.90),',
         new='"time_to_90_s": covered.time_to(0.97),',
+    ),
+    Mutant(
+        name="covered-too-early",
+        breaks="The times to 90, 95 and 99 % are those to 97 % of these shares.",
+        file="analysis/coverage.py",
+        old="return time_to(share, self.times_s, self.covered_m2, self.explorable_m2)",
+        new="return time_to(0.97 * share, self.times_s, self.covered_m2, self.explorable_m2)",
+    ),
+    Mutant(
+        name="silence-not-isolated",
+        breaks="A robot whose radio is silent does not count as isolated.",
+        file="analysis/isolation.py",
+        old="changes = [*_switches(present, silent)]",
+        new="changes = [*_switches(present, [])]",
     ),
 )

@@ -15,11 +15,25 @@ MUTANTS: Final = (
         new="self._traffic.begin(number, now_s, trajectory, None)",
     ),
     Mutant(
+        name="stops-too-early",
+        breaks="Protective stops end motions 15 % farther from another body than they are to.",
+        file="simulation/motions.py",
+        old="self._traffic.begin(number, now_s, trajectory, move.guard_m)",
+        new="self._traffic.begin(number, now_s, trajectory, move.guard_m and 1.15 * move.guard_m)",
+    ),
+    Mutant(
         name="too-fast",
         breaks="Straight motions are 2 % faster than the drive allows.",
         file="planners/motion/kinematics.py",
         old="Waypoint(distance / speed, x, y, heading)",
         new="Waypoint(distance / (1.02 * speed), x, y, heading)",
+    ),
+    Mutant(
+        name="too-slow",
+        breaks="Straight motions are 10 % slower than the drive allows.",
+        file="planners/motion/kinematics.py",
+        old="Waypoint(distance / speed, x, y, heading)",
+        new="Waypoint(distance / (0.9 * speed), x, y, heading)",
     ),
     Mutant(
         name="car-turns-in-place",
@@ -41,6 +55,13 @@ MUTANTS: Final = (
         file="simulation/sensing.py",
         old="time_s, finder.range_m, finder.beams, covered)",
         new="time_s, 1.1 * finder.range_m, finder.beams, covered)",
+    ),
+    Mutant(
+        name="range-too-near",
+        breaks="Range finders see only 90 % of the range of the spec.",
+        file="simulation/sensing.py",
+        old="time_s, finder.range_m, finder.beams, covered)",
+        new="time_s, 0.9 * finder.range_m, finder.beams, covered)",
     ),
     Mutant(
         name="laser-reads-too-far",
@@ -90,6 +111,13 @@ MUTANTS: Final = (
         file="simulation/radio.py",
         old="return [(receiver, self._spec.latency_s) for receiver in receivers], []",
         new="return [(receiver, 2.0 * self._spec.latency_s) for receiver in receivers], []",
+    ),
+    Mutant(
+        name="half-the-losses",
+        breaks="The radio loses half as many messages as the spec says.",
+        file="simulation/radio.py",
+        old="self._rng.random() < self._spec.loss:",
+        new="self._rng.random() < 0.5 * self._spec.loss:",
     ),
     Mutant(
         name="sees-through-walls",

@@ -3,6 +3,7 @@
 import msgspec
 import pytest
 
+from multisrt.analysis.measuring import measure_with_curves
 from multisrt.campaign.invariants import INVARIANTS, JudgedRun, measures
 from multisrt.events import BaseLearned, Blocked, Ended, GoalChosen, NodeAdded, Sent
 from multisrt.simulation.simulate import simulate
@@ -160,7 +161,7 @@ def test_a_run_that_ends_before_it_stood_still_for_long(bids):
 )
 def test_measures_that_are_not_those_of_the_events(bids, name, monkeypatch):
     monkeypatch.setattr(measures, "ONE_IN", 1)
-    said, curves = measures.measure_with_curves(bids.recording, bids.environment)
+    said, curves = measure_with_curves(bids.recording, bids.environment)
     wrong = replace(said, **{name: 1.5 * getattr(said, name) + 1.0})
     monkeypatch.setattr(measures, "measure_with_curves", lambda *_: (wrong, curves))
     assert name in says(bids, "measures-consistent")

@@ -26,6 +26,9 @@ from multisrt.planners.motion.room import ROUNDING_M, Room
 PAIRS_AT_ONCE: Final = 1024
 """Number of pairs of places whose regions are held in arrays together."""
 
+LEAVES_M = 0.002
+"""Length of a motion in metres after which a body that touched the border has `MIN_MARGIN_M`."""
+
 TOUCH_M = 1e-7
 """Distance in metres by which a disc stays off what it already stands next to."""
 
@@ -83,6 +86,8 @@ class PlanningBody:
                 _offset(outline, margin)
                 for margin in (margin_m, margin_m / 2.0, self._place_margin, MIN_MARGIN_M)
             ]
+            # A body that touches the border may leave it.
+            self._touching = _offset(outline, -TOUCH_M)
 
     def travel(
         self,
@@ -118,9 +123,24 @@ class PlanningBody:
             room = free_travel_polygon(boundary, outline, x, y, heading, cosine, sine, limit)
             if room > 0.0:
                 break
+        else:
+            room = self._leaving(boundary, at, cosine, sine, limit)
         if room < limit and outline is self._grown[-1]:
             room = max(0.0, room - self._place_margin)
         return room
+
+    def _leaving(
+        self, boundary: FloatArray, at: Configuration, cosine: float, sine: float, limit: float
+    ) -> float:
+        """Return how far a body that touches the border can move away from it; 0 along it."""
+        x, y, heading = at
+        touching, least = self._touching, self._grown[-1]
+        left = free_travel_polygon(boundary, touching, x, y, heading, cosine, sine, LEAVES_M)
+        if left < min(LEAVES_M, limit):
+            return 0.0
+        x, y = x + LEAVES_M * cosine, y + LEAVES_M * sine
+        onward = free_travel_polygon(boundary, least, x, y, heading, cosine, sine, limit - LEAVES_M)
+        return LEAVES_M + onward if onward > 0.0 else 0.0
 
     def passes(
         self, boundary: FloatArray, at: Configuration, direction: float, distance: float
@@ -138,6 +158,8 @@ class PlanningBody:
             travel = free_travel_polygon(
                 boundary, self._grown[-1], x, y, heading, cosine, sine, distance
             )
+            if travel == 0.0:
+                travel = self._leaving(boundary, at, cosine, sine, distance)
         return travel >= distance - ROUNDING_M
 
     def disc_fan(

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 import shapely
@@ -23,13 +24,16 @@ from multisrt.planners.motion.kinematics import (
     turns_between,
 )
 from multisrt.planners.motion.margin import MIN_MARGIN_M
-from multisrt.planners.motion.trajectory import Trajectory
+from multisrt.planners.motion.trajectory import Trajectory, standing_at
 
 MIN_SAVED_S = 1e-6
 """Minimum time in seconds that a curve has to save."""
 
 PULL_OUT_STEPS = 32
 """Number of distances at which room to turn is looked for, up to four radii of the body."""
+
+PULL_OUT_SIDES = 16
+"""Number of directions in which a holonomic body looks for room to turn."""
 
 PULL_OUT_TURNS = tuple(sign * math.radians(k) for k in range(0, 95, 5) for sign in (1, -1))[1:]
 """Turns before a body drives to where it has room to turn, in radians, the smallest first."""
@@ -195,12 +199,14 @@ def _quickest_curve(
 
 def to_room_to_turn(
     body: PlanningBody,
-    kinematics: Differential,
+    kinematics: Holonomic | Differential,
     boundary: FloatArray,
     start: Configuration,
     spare_m: float = 0.0,
 ) -> Trajectory | None:
     """Return a straight motion, after the smallest turn, to where a body fits in any heading.
+
+    A holonomic body does not turn, and goes in one of `PULL_OUT_SIDES` directions.
 
     Parameters
     ----------
@@ -232,19 +238,31 @@ def to_room_to_turn(
     if body.has_room(boundary, start, spare_m):
         return None
     steps = np.arange(1, PULL_OUT_STEPS + 1) * (4.0 * body.outer_radius_m / PULL_OUT_STEPS)
-    for turn in PULL_OUT_TURNS:
-        if not body.can_turn(boundary, start, turn):
-            continue
-        turned = kinematics.turn(start, turn)
-        for distance in steps.tolist():
-            for direction in (start.heading + turn, start.heading + turn + math.pi):
-                x = start.x + distance * math.cos(direction)
-                y = start.y + distance * math.sin(direction)
-                end = Configuration(x, y, turned.end.heading)
-                has_room = body.has_room(boundary, end, spare_m)
-                if has_room and body.passes(boundary, turned.end, direction, distance):
-                    return turned.then(kinematics.drive(turned.end, x, y))
+    for first, directions in _ways_out(body, kinematics, boundary, start):
+        for distance, direction in itertools.product(steps.tolist(), directions):
+            x = start.x + distance * math.cos(direction)
+            y = start.y + distance * math.sin(direction)
+            end = Configuration(x, y, first.end.heading)
+            has_room = body.has_room(boundary, end, spare_m)
+            if has_room and body.passes(boundary, first.end, direction, distance):
+                return first.then(kinematics.drive(first.end, x, y))
     return None
+
+
+def _ways_out(
+    body: PlanningBody,
+    kinematics: Holonomic | Differential,
+    boundary: FloatArray,
+    start: Configuration,
+) -> Iterator[tuple[Trajectory, Sequence[float]]]:
+    """Yield motions with which a body can begin, and the directions in which it goes on."""
+    if isinstance(kinematics, Holonomic):
+        yield standing_at(start), [math.tau * k / PULL_OUT_SIDES for k in range(PULL_OUT_SIDES)]
+        return
+    for turn in PULL_OUT_TURNS:
+        if body.can_turn(boundary, start, turn):
+            ahead = start.heading + turn
+            yield kinematics.turn(start, turn), (ahead, ahead + math.pi)
 
 
 def clear_of(

@@ -8,7 +8,7 @@ from typing import Final
 
 from multisrt.events import Purpose
 from multisrt.geometry.numerics.kernel import FloatArray
-from multisrt.planners.motion.kinematics import Differential
+from multisrt.planners.motion.kinematics import Car
 from multisrt.planners.motion.steering import clear_of, to_room_to_turn
 from multisrt.planners.motion.trajectory import Trajectory
 from multisrt.planners.navigation.path_following import ahead, follow
@@ -148,7 +148,7 @@ def pull_out(
     drive, here, now = robot.me.kinematics, robot.at[:2], robot.raster.revision
     bodies = [sighting.footprint.placed(sighting.configuration) for sighting in seen]
     near_m, since = (REACHED_M, now) if bodies else (robot.options.cell_m, 0)
-    if not isinstance(drive, Differential) or any(
+    if isinstance(drive, Car) or any(
         math.dist(here, place) < near_m and revision >= since
         for place, revision in robot.pulled_out_from
     ):

@@ -1,5 +1,7 @@
 """Robots that find no motion from their starts say so, and do not report a complete map."""
 
+import math
+
 import pytest
 
 from multisrt import RobotSpec, RunSpec, simulate
@@ -21,8 +23,17 @@ def run(strategy, footprint, gap_m, beams=None, **options):
     return simulate(spec)
 
 
-@pytest.mark.parametrize("strategy", ["minpos", "gain", "srt-radial", "srt-star"])
-@pytest.mark.parametrize(("gap_m", "beams"), [(0.0003, None), (0.001, 90)])
+@pytest.mark.parametrize(
+    ("strategy", "gap_m", "beams"),
+    [
+        ("minpos", 0.001, 90),
+        ("gain", 0.001, 90),
+        ("srt-radial", 0.001, 90),
+        ("srt-radial", 0.0003, None),
+        ("srt-star", 0.001, 90),
+        ("srt-star", 0.0003, None),
+    ],
+)
 def test_a_box_in_a_corner_that_cannot_move_is_boxed_in(strategy, gap_m, beams):
     recording = run(strategy, "box:0.6x0.4", gap_m, beams)
     (end,) = recording.of(Ended)
@@ -30,6 +41,15 @@ def test_a_box_in_a_corner_that_cannot_move_is_boxed_in(strategy, gap_m, beams):
     assert not end.complete
     assert end.reason.startswith("boxed in at the start, where the scan shows no way")
     assert recording.footer.outcome == "stalled"
+
+
+@pytest.mark.parametrize("strategy", ["minpos", "gain"])
+def test_a_box_in_a_corner_drives_straight_to_where_it_can_turn(strategy):
+    recording = run(strategy, "box:0.6x0.4", 0.0003)
+    x0, y0, heading = recording.of(Motion)[0].waypoints[0][1:]
+    x1, y1, ahead = recording.of(Motion)[0].waypoints[-1][1:]
+    assert heading == ahead == pytest.approx(math.atan2(y1 - y0, x1 - x0)) == 0.3
+    assert recording.footer.outcome == "complete"
 
 
 @pytest.mark.parametrize("strategy", ["minpos", "gain", "srt-radial"])

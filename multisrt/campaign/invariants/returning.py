@@ -33,10 +33,10 @@ def data_is_returned(run: JudgedRun) -> Violation | None:
 
     With a base station and a `home` other than `never`, each robot that is alive, and whose last
     end says that its map is complete or that no time is left, has delivered all nodes that it knew
-    when it ended, but for parts of them of together less than 0.05 m2. This holds if it knew a
-    place where it is certainly heard: a node at most the range of the radio and 0.05 m away from
-    the base station and, where walls matter, with the base station in its region. Runs in which
-    radios fail are not judged: robots may give up what is not heard.
+    when it ended, but for parts of them of together less than 0.05 m2. This holds if it has been
+    where it is certainly heard: at a node of its own that is at most the range of the radio less
+    0.05 m away from the base station and, where walls matter, with the base station in its region.
+    Runs in which radios fail are not judged: robots may give up what is not heard.
 
     Cost: an overlay for each such robot that has not delivered all nodes.
     """
@@ -55,7 +55,8 @@ def data_is_returned(run: JudgedRun) -> Violation | None:
             continue
         known = [name for name, time_s in run.known[robot].items() if time_s <= end.time_s]
         lacking = [name for name in known if name not in delivered]
-        if not lacking or not any(_is_heard_at(run, name) for name in known):
+        # To where only others have been it may know no way.
+        if not lacking or not any(_is_heard_at(run, name) for name in known if name[0] == robot):
             continue
         here = [name for name in known if name in delivered]
         area_m2 = united(run, known).area - (united(run, here).area if here else 0.0)

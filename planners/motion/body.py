@@ -123,24 +123,9 @@ class PlanningBody:
             room = free_travel_polygon(boundary, outline, x, y, heading, cosine, sine, limit)
             if room > 0.0:
                 break
-        else:
-            room = self._leaving(boundary, at, cosine, sine, limit)
         if room < limit and outline is self._grown[-1]:
             room = max(0.0, room - self._place_margin)
         return room
-
-    def _leaving(
-        self, boundary: FloatArray, at: Configuration, cosine: float, sine: float, limit: float
-    ) -> float:
-        """Return how far a body that touches the border can move away from it; 0 along it."""
-        x, y, heading = at
-        touching, least = self._touching, self._grown[-1]
-        left = free_travel_polygon(boundary, touching, x, y, heading, cosine, sine, LEAVES_M)
-        if left < min(LEAVES_M, limit):
-            return 0.0
-        x, y = x + LEAVES_M * cosine, y + LEAVES_M * sine
-        onward = free_travel_polygon(boundary, least, x, y, heading, cosine, sine, limit - LEAVES_M)
-        return LEAVES_M + onward if onward > 0.0 else 0.0
 
     def passes(
         self, boundary: FloatArray, at: Configuration, direction: float, distance: float
@@ -158,9 +143,22 @@ class PlanningBody:
             travel = free_travel_polygon(
                 boundary, self._grown[-1], x, y, heading, cosine, sine, distance
             )
-            if travel == 0.0:
-                travel = self._leaving(boundary, at, cosine, sine, distance)
         return travel >= distance - ROUNDING_M
+
+    def leaves(
+        self, boundary: FloatArray, at: Configuration, direction: float, distance: float
+    ) -> bool:
+        """Whether a motion is free by which a polygon that touches the border leaves it.
+
+        Parameters are those of `passes`. It has the minimum margin once it has moved by `LEAVES_M`.
+        """
+        x, y, heading = at
+        cosine, sine = math.cos(direction), math.sin(direction)
+        touching = free_travel_polygon(
+            boundary, self._touching, x, y, heading, cosine, sine, LEAVES_M
+        )
+        left = Configuration(x + LEAVES_M * cosine, y + LEAVES_M * sine, heading)
+        return touching >= LEAVES_M and self.passes(boundary, left, direction, distance - LEAVES_M)
 
     def disc_fan(
         self, boundary: FloatArray, at: Configuration, directions: FloatArray, limit: float

@@ -244,7 +244,10 @@ def to_room_to_turn(
             y = start.y + distance * math.sin(direction)
             end = Configuration(x, y, first.end.heading)
             has_room = body.has_room(boundary, end, spare_m)
-            if has_room and body.passes(boundary, first.end, direction, distance):
+            if has_room and (
+                body.passes(boundary, first.end, direction, distance)
+                or body.leaves(boundary, first.end, direction, distance)
+            ):
                 return first.then(kinematics.drive(first.end, x, y))
     return None
 

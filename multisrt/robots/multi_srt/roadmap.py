@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 from shapely.geometry.base import BaseGeometry
 
-from multisrt.geometry.configuration import Configuration
+from multisrt.geometry.configuration import Configuration, wrap_angle
 from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.geometry.regions.overlay import union_on_grid
 from multisrt.planners.motion.body import PlanningBody
@@ -21,6 +22,9 @@ from multisrt.robots.exploration_map import ExplorationMap, Node, NodeId
 from multisrt.robots.explorer import RobotSelf
 
 Passable = Callable[[NodeId, NodeId], bool]
+
+ALONG_RAD: Final = 1e-6
+"""A body that faces an edge to this, in radians, is not turned before it drives along it."""
 
 
 class OutAndBack(NamedTuple):
@@ -246,17 +250,18 @@ class SrtRoadmap:
             or self._is_wide(start, end)
         ):
             return turn_and_drive(drive, at, x, y)
-        child = end if end.parent == a else start
-        along = child.configuration.heading
+        child, parent = (end, start) if end.parent == a else (start, end)
+        aside = _turn_to_line(child.configuration, *parent.configuration[:2])
         if a in self._has_room:
+            along = child.configuration.heading + aside
             turned = drive.turn(at, turns_between(at.heading, along)[0])
         elif child is end:
-            turned = drive.turn(at, self._turns[b])
+            turned = drive.turn(at, self._turns[b] + aside)
         else:
-            turned = drive.turn(at, 0.0)
+            turned = drive.turn(at, aside)
         motion = turned.then(drive.drive(turned.end, x, y))
         if child is start and b not in self._has_room:
-            return motion.then(drive.turn(motion.end, -self._turns[a]))
+            return motion.then(drive.turn(motion.end, -self._turns[a] - aside))
         return motion
 
     def knows_hop(self, a: NodeId, b: NodeId) -> bool:
@@ -276,3 +281,15 @@ class SrtRoadmap:
         parent, child = (a, b) if b.parent == a.id else (b, a)
         (px, py, _), (cx, cy, _) = parent.configuration, child.configuration
         return self.body.disc_travel(parent.region.boundary, px, py, cx, cy)
+
+
+def _turn_to_line(at: Configuration, x: float, y: float) -> float:
+    """Return the smallest turn to face a place or its opposite; 0 but where a turn was ended.
+
+    A body comes to a child of a node along the edge, forwards or backwards. Only where the
+    protective stop has ended a turn after that is it turned a little away from the edge.
+    """
+    ahead = math.atan2(y - at.y, x - at.x)
+    turns = (wrap_angle(ahead - at.heading), wrap_angle(ahead + math.pi - at.heading))
+    turn = min(turns, key=abs)
+    return turn if abs(turn) > ALONG_RAD else 0.0

@@ -30,7 +30,8 @@ LEAVES_M = 0.002
 """Length of a motion in metres after which a body that touched the border has `MIN_MARGIN_M`."""
 
 TOUCH_M = 1e-7
-"""Distance in metres by which a disc stays off what it already stands next to."""
+"""Distance in metres by which a disc stays off what it already stands next to, and by which a
+polygon that leaves the border that it touches counts as smaller."""
 
 ROUNDING_RAD = 1e-9
 """A turn smaller than this is rounding, in radians."""

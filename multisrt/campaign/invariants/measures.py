@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Final
 
 import numpy as np
@@ -219,8 +219,7 @@ def _overlaid(run: JudgedRun, m: Metrics) -> Iterator[str]:
     noters = {robot for robot, _ in run.nodes}
     if len(noters) < len(run.robots):
         return  # what robots without nodes covered are their scans
-    regions = [region if region.is_valid else _valid(region) for region in run.regions.values()]
-    union = shapely.union_all(regions, grid_size=GRID_M)
+    union = _union(run.regions.values())
     here = shapely.union_all(_components(run))
     within_m2 = float(shapely.intersection(union, here, grid_size=GRID_M).area)
     allowed_m2 = AREA * m.explorable_area_m2
@@ -230,9 +229,7 @@ def _overlaid(run: JudgedRun, m: Metrics) -> Iterator[str]:
     for percent, time_s in ((90, m.time_to_90_s), (95, m.time_to_95_s), (99, m.time_to_99_s)):
         if time_s is None:
             continue
-        parts = [run.regions[name] for name, node in run.nodes.items() if node.time_s <= time_s]
-        valid = [part if part.is_valid else _valid(part) for part in parts]
-        then = shapely.union_all(valid, grid_size=GRID_M)
+        then = _union(run.regions[name] for name, n in run.nodes.items() if n.time_s <= time_s)
         then_m2 = float(shapely.intersection(then, here, grid_size=GRID_M).area)
         if then_m2 < 0.01 * percent * m.explorable_area_m2 - allowed_m2:
             yield f"{percent} % are covered at {time_s:.2f} s, by regions of {then_m2:.4f} m2"
@@ -251,6 +248,11 @@ def _overlaid(run: JudgedRun, m: Metrics) -> Iterator[str]:
 def _components(run: JudgedRun) -> list[Polygon]:
     found = {shapely.to_wkb(part): part for part in (run.component(robot) for robot in run.robots)}
     return list(found.values())
+
+
+def _union(regions: Iterable[Polygon]) -> BaseGeometry:
+    valid = [region if region.is_valid else _valid(region) for region in regions]
+    return shapely.union_all(valid, grid_size=GRID_M)
 
 
 def _valid(region: Polygon) -> BaseGeometry:

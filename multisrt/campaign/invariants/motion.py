@@ -68,14 +68,8 @@ def motion_within_drive(run: JudgedRun) -> Violation | None:
 
 
 def _beyond_drive(motion: Motion, drive: DriveSpec) -> Iterator[Violation]:
-    points = np.array(motion.waypoints)
-    a, b = points[:-1], points[1:]
-    lasting, turns = b[:, 0] - a[:, 0], b[:, 3] - a[:, 3]
-    chords = np.hypot(*(b - a)[:, 1:3].T)
-    half = 0.5 * np.abs(turns)
-    curved = half > 1e-9
-    lengths = np.where(curved, chords * half / np.sin(np.where(curved, half, 1.0)), chords)
-    for k, what in _limits(drive, lasting, lengths, turns, chords, b - a, a[:, 3]):
+    a, along, lengths = _legs(motion)
+    for k, what in _limits(drive, lengths, along, a[:, 3]):
         yield Violation(
             invariant=WITHIN_DRIVE,
             says=f"robot {motion.robot} ({drive.kind}) {what} at {a[k, 0]:.2f} s, "
@@ -85,16 +79,21 @@ def _beyond_drive(motion: Motion, drive: DriveSpec) -> Iterator[Violation]:
         )
 
 
+def _legs(motion: Motion) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the beginnings of the legs, the steps to their ends, and their lengths in metres."""
+    points = np.array(motion.waypoints)
+    steps = np.diff(points, axis=0)
+    chords, half = np.hypot(*steps[:, 1:3].T), 0.5 * np.abs(steps[:, 3])
+    curved = half > 1e-9
+    lengths = np.where(curved, chords * half / np.sin(np.where(curved, half, 1.0)), chords)
+    return points[:-1], steps, lengths
+
+
 def _limits(
-    drive: DriveSpec,
-    lasting: FloatArray,
-    lengths: FloatArray,
-    turns: FloatArray,
-    chords: FloatArray,
-    along: FloatArray,
-    headings: FloatArray,
+    drive: DriveSpec, lengths: FloatArray, along: FloatArray, headings: FloatArray
 ) -> Iterator[tuple[int, str]]:
     """Yield the first leg that exceeds each limit, with a description."""
+    lasting, turns = along[:, 0], along[:, 3]
     for k in np.flatnonzero(lengths > drive.speed_m_s * lasting + ROUNDING_M)[:1].tolist():
         yield k, f"drives {lengths[k]:.4f} m in {lasting[k]:.4f} s, beyond {drive.speed_m_s:g} m/s"
     if drive.kind == "holonomic":
@@ -122,7 +121,7 @@ def _limits(
 
 
 def motion_at_full_speed(run: JudgedRun) -> Violation | None:
-    """Check that robots drive and turn as fast as their drive allows, unless they steer.
+    """Check that robots drive and turn as fast as their drive allows.
 
     No leg of a motion takes longer, by more than 1e-6 s and 1e-6 of its duration, than its length
     takes at full speed or, for a differential drive, its turn at the full rate. Robots that steer
@@ -134,21 +133,18 @@ def motion_at_full_speed(run: JudgedRun) -> Violation | None:
         return None
     for motion in sorted(run.recording.of(Motion), key=lambda motion: motion.time_s):
         drive = run.recording.spec.robots[motion.robot].drive
-        points = np.array(motion.waypoints)
-        steps = np.diff(points, axis=0)
-        half = 0.5 * np.abs(steps[:, 3])
-        chords = np.hypot(steps[:, 1], steps[:, 2])
-        needed = chords / np.sinc(half / math.pi) / drive.speed_m_s
+        begins, steps, lengths = _legs(motion)
+        needed = lengths / drive.speed_m_s
         if drive.kind == "differential":
-            needed = np.maximum(needed, 2.0 * half / drive.turn_rate_rad_s)
+            needed = np.maximum(needed, np.abs(steps[:, 3]) / drive.turn_rate_rad_s)
         slow = steps[:, 0] > needed * (1.0 + ROUNDING_S) + ROUNDING_S
         for k in np.flatnonzero(slow)[:1].tolist():
             return Violation(
                 invariant=FULL_SPEED,
                 says=f"robot {motion.robot} ({drive.kind}) takes {steps[k, 0]:.4f} s for a leg, at "
-                f"{points[k, 0]:.2f} s, for which {needed[k]:.4f} s are enough",
+                f"{begins[k, 0]:.2f} s, for which {needed[k]:.4f} s are enough",
                 robot=motion.robot,
-                time_s=float(points[k, 0]),
+                time_s=float(begins[k, 0]),
             )
     return None
 

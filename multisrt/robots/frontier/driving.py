@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Generator, Iterable
+from collections.abc import Callable, Generator
 from typing import Final
 
 from multisrt.events import Purpose
@@ -123,7 +123,7 @@ def drive_leg(
 
 
 def pull_out(
-    robot: FrontierRobot, purpose: Purpose, seen: Iterable[Sighting] = ()
+    robot: FrontierRobot, purpose: Purpose, *, beside_bodies: bool = False
 ) -> Generator[Action, Outcome, Event | Sighting | None]:
     """Drive straight to where a body that is no disc has room to turn in place.
 
@@ -137,8 +137,9 @@ def pull_out(
         The robot.
     purpose : str
         Purpose of the motion, for the record.
-    seen : iterable of Sighting
-        Bodies that it does not approach, as its protective stop would end the motion.
+    beside_bodies : bool
+        Whether bodies in sight keep it from turning. It does not approach them, as its protective
+        stop would end the motion.
 
     Returns
     -------
@@ -146,9 +147,12 @@ def pull_out(
         As `drive_leg` returns it.
     """
     drive, here, now = robot.me.kinematics, robot.at[:2], robot.raster.revision
+    if robot.body.is_disc or isinstance(drive, Car):
+        return Event.NO_WAY
+    seen = (yield from robot.bodies.look()) if beside_bodies else ()
     bodies = [sighting.footprint.placed(sighting.configuration) for sighting in seen]
     near_m, since = (REACHED_M, now) if bodies else (robot.options.cell_m, 0)
-    if isinstance(drive, Car) or any(
+    if any(
         math.dist(here, place) < near_m and revision >= since
         for place, revision in robot.pulled_out_from
     ):

@@ -113,8 +113,7 @@ def give_way(robot: FrontierRobot, times: int) -> Steps:
             yield from leave_by_exit(robot, asked)
         elif isinstance(ended, Sighting) and math.dist(robot.at[:2], here) <= MOVED_M:
             # Its corners would come too near to the other when it turned.
-            seen = yield from robot.bodies.look()
-            yield from pull_out(robot, "give way", seen)
+            yield from pull_out(robot, "give way", beside_bodies=True)
         robot.set_goal(None)
         yield from team.report()
     elif aside is None and not (yield from leave_by_exit(robot, asked)):

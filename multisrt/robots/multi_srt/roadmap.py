@@ -113,7 +113,8 @@ class SrtRoadmap:
         self._place(parent)  # of another robot, it may have been heard of since `extend`
         self.graph.connect(parent.id, node.id)
         first, last = out_and_back.out.waypoints[0], out_and_back.out.waypoints[-1]
-        self._turns[node.id] = last.heading - first.heading
+        aside = _turn_to_line(node.configuration, *parent.configuration[:2])
+        self._turns[node.id] = last.heading - first.heading + aside
         if out_and_back.back is not None:
             self._driven[parent.id, node.id] = out_and_back.out
             self._driven[node.id, parent.id] = out_and_back.back
@@ -256,12 +257,12 @@ class SrtRoadmap:
             along = child.configuration.heading + aside
             turned = drive.turn(at, turns_between(at.heading, along)[0])
         elif child is end:
-            turned = drive.turn(at, self._turns[b] + aside)
+            turned = drive.turn(at, self._turns[b])
         else:
             turned = drive.turn(at, aside)
         motion = turned.then(drive.drive(turned.end, x, y))
         if child is start and b not in self._has_room:
-            return motion.then(drive.turn(motion.end, -self._turns[a] - aside))
+            return motion.then(drive.turn(motion.end, -self._turns[a]))
         return motion
 
     def knows_hop(self, a: NodeId, b: NodeId) -> bool:

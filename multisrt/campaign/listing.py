@@ -5,10 +5,12 @@ from __future__ import annotations
 from types import MappingProxyType
 from typing import Final
 
+from multisrt.campaign.arrivals import NAME as MESSAGES
 from multisrt.campaign.invariants import INVARIANTS
 from multisrt.campaign.lane import EQUAL_DIGEST, REPEATED_EVERY
 from multisrt.campaign.mission import ENDS, JUDGED, NO_ERROR
 from multisrt.campaign.mission_process import HANG_S, HANGS
+from multisrt.campaign.sightings import NAME as SIGHT
 from multisrt.geometry.errors import InvalidInputError, did_you_mean, shown
 
 OWN: Final = MappingProxyType(
@@ -19,6 +21,8 @@ OWN: Final = MappingProxyType(
         HANGS: f"The run takes less than {HANG_S:g} s of elapsed time.",
         EQUAL_DIGEST: "Another process produces the same recording, byte for byte; checked for "
         f"every run that fails and for one run in {REPEATED_EVERY}.",
+        MESSAGES: "Messages are received by those that they are for, once, and when the radio says.",
+        SIGHT: "Robots see the bodies that are in sight, where these are, and no others.",
         JUDGED: "All invariants can be evaluated: none of them raises an error.",
     }
 )

@@ -14,7 +14,9 @@ import msgspec
 from multisrt.campaign.draws import Trying, drawn, is_refusal
 from multisrt.campaign.invariants import JudgedRun, check
 from multisrt.campaign.violations import MAX_LENGTH, Violation, quoted
+from multisrt.campaign.witness import Witness
 from multisrt.campaign.worlds import world_of
+from multisrt.events import Event
 from multisrt.experiments.mission import lacks_memory
 from multisrt.recording import Recording
 from multisrt.robots.defects import ExplorerDefect
@@ -191,15 +193,17 @@ def max_steps(spec: RunSpec) -> int:
 def _judged(setup: SetUp, begin_s: float) -> Judged:
     steps, most = 0, max_steps(setup.spec)
     recorded = 0
+    witness = Witness(setup.spec)
 
-    def count(_: object) -> None:
+    def watch(event: Event) -> None:
         # Events that are recorded within one event of the clock.
         nonlocal recorded
         recorded += 1
         if recorded > most:
             raise _EndlessError
+        witness.watch(event)
 
-    with closing(Simulation(setup, watch=count)) as simulation:
+    with closing(Simulation(setup, watch=watch, overhear=witness.overhear)) as simulation:
         try:
             while simulation.has_events():
                 simulation.clock.step()
@@ -218,7 +222,8 @@ def _judged(setup: SetUp, begin_s: float) -> Judged:
     footer = recording.footer
     violations: tuple[Violation, ...]
     try:
-        violations = tuple(check(JudgedRun(recording=recording, environment=setup.environment)))
+        run = JudgedRun(recording=recording, environment=setup.environment)
+        violations = (*check(run), *witness.violations(run))
     except Exception as error:
         if lacks_memory(error):
             return Judged(_failed(error, steps, begin_s, footer.time_s), recording)

@@ -49,6 +49,9 @@ Process = Generator[Any, Any, None]
 Pause = Callable[[int, Outcome, Action], simpy.Event]
 """Takes a robot, what its explorer received and what it yielded; returns an event to wait for."""
 
+Overhear = Callable[[int, float, Outcome, Action], None]
+"""Takes a robot, the time in seconds, what its explorer received and what it yielded."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Surroundings:
@@ -81,6 +84,8 @@ class Interpreter:
         What carries out its actions.
     pause : callable, optional
         What to wait for before each action is carried out.
+    overhear : callable, optional
+        Called before each action is carried out.
 
     Attributes
     ----------
@@ -94,11 +99,13 @@ class Interpreter:
         explorer: Explorer,
         surroundings: Surroundings,
         pause: Pause | None = None,
+        overhear: Overhear | None = None,
     ) -> None:
         self._robot = robot
         self._explorer = explorer
         self._is_ours = package_of(type(explorer)) == "multisrt"
         self._pause = pause
+        self._overhear = overhear
         self._strategy = surroundings.strategy
         self._clock = surroundings.clock
         self._journal = surroundings.journal
@@ -131,11 +138,14 @@ class Interpreter:
             raise defect.in_run(self._strategy, self._clock.now_s) from defect.__cause__
 
     def _interpret(self) -> Process:
-        robot, number, pause = self._robot, self._robot.number, self._pause
+        robot, number = self._robot, self._robot.number
+        pause, overhear = self._pause, self._overhear
         outcome: Outcome = None
         self.actions = actions = protocol.begin(self._explorer, number)
         while True:
             action = self._next_action(actions, outcome)
+            if overhear is not None:
+                overhear(number, self._clock.now_s, outcome, action)
             if pause is not None:
                 yield pause(number, outcome, action)
             outcome = None

@@ -26,7 +26,7 @@ from multisrt.robots.messages import Message
 from multisrt.robots.naming import named_robots
 from multisrt.simulation.clock import Clock
 from multisrt.simulation.faults import Faults, late_starts
-from multisrt.simulation.interpreter import Interpreter, Surroundings
+from multisrt.simulation.interpreter import Interpreter, Overhear, Surroundings
 from multisrt.simulation.journal import Journal, Watcher
 from multisrt.simulation.mail import Mail
 from multisrt.simulation.motions import Motions
@@ -71,6 +71,9 @@ class Simulation:
         The run.
     watch : callable, optional
         Called with every event as it is recorded.
+    overhear : callable, optional
+        Called before each action with the robot, the time in seconds, what its explorer received
+        for the last action, and what it yielded.
     file : binary file, optional
         Where the recording is written during the run.
     pausing : bool, optional
@@ -89,6 +92,7 @@ class Simulation:
         setup: SetUp,
         *,
         watch: Watcher | None = None,
+        overhear: Overhear | None = None,
         file: IO[bytes] | None = None,
         pausing: bool = False,
     ) -> None:
@@ -140,7 +144,7 @@ class Simulation:
                 faults.switch_on(robot)
         pause = self._pause if pausing else None
         self.interpreters = [
-            Interpreter(robot, explorer, surroundings, pause)
+            Interpreter(robot, explorer, surroundings, pause, overhear)
             for robot, explorer in zip(robots, setup.explorers, strict=True)
         ]
         self._processes = [

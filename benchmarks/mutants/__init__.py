@@ -1,1 +1,1 @@
-"""Thirty planted defects, and whether campaigns find them: ``python -m benchmarks.mutants``."""
+"""Planted defects, and whether campaigns find them: ``python -m benchmarks.mutants``."""

@@ -125,7 +125,52 @@ MUTANTS: Final = (
         file="simulation/traffic.py",
         old="self._distance_to_point(other, there, x, y) <= range_m and line_of_sight(",
         new="self._distance_to_point(other, there, x, y) <= range_m or line_of_sight(",
-        unfound="recordings do not contain which robots a robot sees",
+    ),
+    Mutant(
+        name="sees-where-others-were",
+        breaks="Robots see others where these were a quarter of a second ago.",
+        file="simulation/sensing.py",
+        old="configuration=self._traffic.where(number, time_s),",
+        new="configuration=self._traffic.where(number, time_s - 0.25),",
+    ),
+    Mutant(
+        name="jitter-ignored",
+        breaks="Messages arrive after the latency, whatever the jitter.",
+        file="simulation/radio.py",
+        old="delay += self._spec.jitter_s * self._rng.random()",
+        new="delay += 0.0 * self._rng.random()",
+    ),
+    Mutant(
+        name="addressee-ignored",
+        breaks="A message for one robot is received by all in reach.",
+        file="simulation/radio.py",
+        old="receivers = [to] if to in receivers else []",
+        new="receivers = receivers if to in receivers else []",
+    ),
+    Mutant(
+        name="lost-on-the-way",
+        breaks="The radio loses messages that are on their way with no other.",
+        file="simulation/mail.py",
+        old="self.messages_in_flight -= 1\n        member.deliver(message)",
+        new=(
+            "self.messages_in_flight -= 1\n"
+            "        if self.messages_in_flight > 0:\n"
+            "            member.deliver(message)"
+        ),
+    ),
+    Mutant(
+        name="message-received-twice",
+        breaks="A message that arrives at a robot that moves is received twice.",
+        file="simulation/robot.py",
+        old="self.mailbox.append(message)",
+        new="self.mailbox += [message] if self.motion is None else [message, message]",
+    ),
+    Mutant(
+        name="arrival-unnoticed",
+        breaks="A robot that waits notices messages only when its wait ends.",
+        file="simulation/robot.py",
+        old="if self.motion is None or message.wakes:",
+        new="if self.motion is not None and message.wakes:",
     ),
     Mutant(
         name="one-relay-only",

@@ -21,7 +21,8 @@ OWN: Final = MappingProxyType(
         HANGS: f"The run takes less than {HANG_S:g} s of elapsed time.",
         EQUAL_DIGEST: "Another process produces the same recording, byte for byte; checked for "
         f"every run that fails and for one run in {REPEATED_EVERY}.",
-        MESSAGES: "Messages are received by those that they are for, once, and when the radio says.",
+        MESSAGES: "Messages are received once, by those that they are for, and when the radio "
+        "says.",
         SIGHT: "Robots see the bodies that are in sight, where these are, and no others.",
         JUDGED: "All invariants can be evaluated: none of them raises an error.",
     }

@@ -138,14 +138,11 @@ class Interpreter:
             raise defect.in_run(self._strategy, self._clock.now_s) from defect.__cause__
 
     def _interpret(self) -> Process:
-        robot, number = self._robot, self._robot.number
-        pause, overhear = self._pause, self._overhear
+        robot, number, pause = self._robot, self._robot.number, self._pause
         outcome: Outcome = None
         self.actions = actions = protocol.begin(self._explorer, number)
         while True:
             action = self._next_action(actions, outcome)
-            if overhear is not None:
-                overhear(number, self._clock.now_s, outcome, action)
             if pause is not None:
                 yield pause(number, outcome, action)
             outcome = None
@@ -189,7 +186,10 @@ class Interpreter:
         now_s, number = self._clock.now_s, self._robot.number
         self._journal.note_time(now_s)
         self._pace.count(now_s)
-        return protocol.next_action(self._explorer, actions, outcome, number)
+        action = protocol.next_action(self._explorer, actions, outcome, number)
+        if self._overhear is not None:
+            self._overhear(number, now_s, outcome, action)
+        return action
 
     def _note(self, note: Note) -> None:
         number = self._robot.number

@@ -21,6 +21,9 @@ AT_HOME: Final = "ends-at-home"
 AT_HOME_M: Final = 1e-3
 """Maximum distance from its root at which a single robot ends, in metres."""
 
+UNHEARD: Final = 1e-6
+"""Smallest probability with which a robot may be unheard for `home_wait_s`, by losses alone."""
+
 MARGIN_M: Final = 0.05
 """Robots subtract this from the range of the radio, in metres."""
 
@@ -36,14 +39,15 @@ def data_is_returned(run: JudgedRun) -> Violation | None:
     when it ended, but for parts of them of together less than 0.05 m2. This holds if it has been
     where it is certainly heard: at a node of its own that is at most the range of the radio less
     0.05 m away from the base station and, where walls matter, with the base station in its region.
-    Runs in which radios fail are not judged: robots may give up what is not heard.
+    Robots may give up if they are not heard for `home_wait_s`. Runs in which radios fail are
+    therefore not judged, nor those in which it may well be that all is lost for so long.
 
     Cost: an overlay for each such robot that has not delivered all nodes.
     """
     spec = run.recording.spec
     if run.family == "other" or spec.base is None or run.options["home"] == "never":
         return None
-    if any(isinstance(fault, Silence) for fault in spec.faults):
+    if any(isinstance(fault, Silence) for fault in spec.faults) or _may_be_unheard(run):
         return None
     delivered = {
         (robot, serial) for event in run.recording.of(BaseLearned) for robot, serial in event.nodes
@@ -96,6 +100,14 @@ def ends_at_home(run: JudgedRun) -> Violation | None:
         robot=0,
         time_s=end.time_s,
     )
+
+
+def _may_be_unheard(run: JudgedRun) -> bool:
+    radio, options = run.recording.spec.radio, run.options
+    period_s = options["ask_period_s"] + 2.0 * (radio.latency_s + radio.jitter_s)
+    is_answered = (1.0 - radio.loss) ** 2
+    is_unheard: float = (1.0 - is_answered) ** (options["home_wait_s"] / period_s)
+    return is_unheard > UNHEARD
 
 
 def _is_heard_at(run: JudgedRun, name: NodeName) -> bool:

@@ -134,6 +134,60 @@ MUTANTS: Final = (
         new="configuration=self._traffic.where(number, time_s - 0.25),",
     ),
     Mutant(
+        name="seen-as-another-body",
+        breaks="Robots see the bodies of all others as that of robot 0.",
+        file="simulation/sensing.py",
+        old="footprint=self._robots[number].body.footprint,",
+        new="footprint=self._robots[0].body.footprint,",
+    ),
+    Mutant(
+        name="stopped-by-itself",
+        breaks="A robot that a protective stop has stopped is told that its own body did.",
+        file="simulation/motions.py",
+        old="blocked_by=self._sensing.sighting(met.other, now_s)",
+        new="blocked_by=self._sensing.sighting(robot.number, now_s)",
+    ),
+    Mutant(
+        name="laser-reads-too-near",
+        breaks="All readings of lasers are too short by 1 %.",
+        file="geometry/regions/scan.py",
+        old="ranges=laser_ranges(index, x, y, range_m, beams),",
+        new="ranges=0.99 * laser_ranges(index, x, y, range_m, beams),",
+    ),
+    Mutant(
+        name="jitter-not-on-the-data-sheet",
+        breaks="Robots are told the latency of the radio without its jitter.",
+        file="simulation/radio.py",
+        old="latency_s=self._spec.latency_s + self._spec.jitter_s,",
+        new="latency_s=self._spec.latency_s,",
+    ),
+    Mutant(
+        name="streams-of-robot-0",
+        breaks="All robots draw the same random numbers.",
+        file="simulation/setting_up.py",
+        old='rng=streams.of("robots", number),',
+        new='rng=streams.of("robots", 0),',
+    ),
+    Mutant(
+        name="base-drops-messages",
+        breaks="The base station drops messages that arrive in odd milliseconds.",
+        file="simulation/base_station.py",
+        old="        now_s = self._clock.now_s\n        self._journal.note_time(now_s)\n",
+        new=(
+            "        now_s = self._clock.now_s\n"
+            "        if int(1000.0 * now_s) % 2:\n"
+            "            return\n"
+            "        self._journal.note_time(now_s)\n"
+        ),
+    ),
+    Mutant(
+        name="waits-for-faults",
+        breaks="A run in which all robots have ended goes on to the last fault that is due.",
+        file="simulation/simulation.py",
+        old="if self.mail.messages_in_flight > 0:",
+        new="if self.clock.next_s < math.inf:",
+    ),
+    Mutant(
         name="jitter-ignored",
         breaks="Messages arrive after the latency, whatever the jitter.",
         file="simulation/radio.py",

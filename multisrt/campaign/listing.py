@@ -5,12 +5,11 @@ from __future__ import annotations
 from types import MappingProxyType
 from typing import Final
 
-from multisrt.campaign.arrivals import NAME as MESSAGES
 from multisrt.campaign.invariants import INVARIANTS
 from multisrt.campaign.lane import EQUAL_DIGEST, REPEATED_EVERY
 from multisrt.campaign.mission import ENDS, JUDGED, NO_ERROR
 from multisrt.campaign.mission_process import HANG_S, HANGS
-from multisrt.campaign.sightings import NAME as SIGHT
+from multisrt.campaign.witness import WITNESSED
 from multisrt.geometry.errors import InvalidInputError, did_you_mean, shown
 
 OWN: Final = MappingProxyType(
@@ -21,9 +20,6 @@ OWN: Final = MappingProxyType(
         HANGS: f"The run takes less than {HANG_S:g} s of elapsed time.",
         EQUAL_DIGEST: "Another process produces the same recording, byte for byte; checked for "
         f"every run that fails and for one run in {REPEATED_EVERY}.",
-        MESSAGES: "Messages are received once, by those that they are for, and when the radio "
-        "says.",
-        SIGHT: "Robots see the bodies that are in sight, where these are, and no others.",
         JUDGED: "All invariants can be evaluated: none of them raises an error.",
     }
 )
@@ -36,7 +32,8 @@ def descriptions() -> dict[str, str]:
     Returns
     -------
     dict of str to str
-        Those that are checked while a run is executed, then those checked on its recording.
+        Those that are checked while a run is executed, those that its witness judges, then those
+        checked on its recording.
 
     Examples
     --------
@@ -44,7 +41,7 @@ def descriptions() -> dict[str, str]:
     'The run raises no error and does not terminate its process.'
     """
     judged = {name: _description(invariant.__doc__ or "") for name, invariant in INVARIANTS.items()}
-    return {**OWN, **{name: text for name, text in judged.items() if name not in OWN}}
+    return {**OWN, **WITNESSED, **{name: text for name, text in judged.items() if name not in OWN}}
 
 
 def _description(doc: str) -> str:

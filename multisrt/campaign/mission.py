@@ -193,7 +193,7 @@ def max_steps(spec: RunSpec) -> int:
 def _judged(setup: SetUp, begin_s: float) -> Judged:
     steps, most = 0, max_steps(setup.spec)
     recorded = 0
-    witness = Witness(setup.spec)
+    witness = Witness(setup)
 
     def watch(event: Event) -> None:
         # Events that are recorded within one event of the clock.

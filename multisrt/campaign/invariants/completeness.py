@@ -176,7 +176,7 @@ def boxed_in_is_boxed_in(run: JudgedRun) -> Violation | None:
         if barred and _is_beside_a_body(run, robot, end.time_s):
             continue
         times_s = [*_blocked_s(run, robot), end.time_s] if barred else [end.time_s]
-        bodies = _bodies(run, robot, times_s, belief_s)
+        bodies = bodies_around(run, robot, times_s, belief_s)
         found = _left(run, robot, known_at(run, robot, end), end.time_s, bodies)
         if found:
             return _violation(BOXED_IN, robot, end, found[0])
@@ -204,7 +204,7 @@ def chain_reaches_no_goal(run: JudgedRun) -> Violation | None:
         whole = shapely.get_parts(frontiers(run, robot, names, reach, slack_m))
         heard = shapely.Point(spec.base.place).buffer(max(link_m, 0.0))
         near = shapely.union_all(whole[shapely.covered_by(whole, heard)])
-        bodies = _bodies(run, robot, [end.time_s], 1.5 * run.options["body_stays_s"])
+        bodies = bodies_around(run, robot, [end.time_s], 1.5 * run.options["body_stays_s"])
         at = _place(run, robot, end.time_s)
         found = open_frontiers(run, robot, names, reach, at, obstacles=bodies, only=near)
         for left in found:
@@ -395,8 +395,10 @@ def _blocked_s(run: JudgedRun, robot: int) -> list[float]:
     return [e.time_s for e in closed if e.robot == robot and e.reason == "blocked by a robot"]
 
 
-def _bodies(run: JudgedRun, robot: int, times_s: list[float], belief_s: float) -> BaseGeometry:
-    # Where the others were within a while before some times, grown by what the robot keeps off.
+def bodies_around(
+    run: JudgedRun, robot: int, times_s: list[float], belief_s: float
+) -> BaseGeometry:
+    """Return where a robot cannot be for the bodies of others, within a while before some times."""
     options = run.options
     slack_m = BODY_SLACK_M + 2.0 * options.get("cell_m", 0.0)
     keep_m = run.bodies[robot].circumscribed_m + 1.2 * options["guard_m"] + slack_m
@@ -413,7 +415,7 @@ def _bodies(run: JudgedRun, robot: int, times_s: list[float], belief_s: float) -
 def _is_beside_a_body(run: JudgedRun, robot: int, at_s: float) -> bool:
     # Whether a robot stands where no path may pass for the body of another one.
     place = shapely.Point(_place(run, robot, at_s)[:2])
-    return bool(_bodies(run, robot, [at_s], 0.0).covers(place))
+    return bool(bodies_around(run, robot, [at_s], 0.0).covers(place))
 
 
 def _gives_up_early(run: JudgedRun, robot: int) -> bool:

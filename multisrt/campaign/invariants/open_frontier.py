@@ -163,6 +163,30 @@ def standing_space(
     return standing if obstacles is None else solid(standing.difference(obstacles))
 
 
+def path_leads(
+    run: JudgedRun,
+    robot: int,
+    names: Iterable[NodeName],
+    reach: Reach,
+    at: Sequence[float],
+    places: Sequence[Sequence[float]],
+    obstacles: BaseGeometry,
+) -> bool:
+    """Return whether a path leads from where a robot stands to one of some places.
+
+    Parameters
+    ----------
+    run, robot, names, reach, at, obstacles
+        As for `open_frontiers`.
+    places : sequence of sequence of float
+        The places: x and y come first.
+    """
+    standing = standing_space(run, robot, names, reach, obstacles)
+    part = _part_at(standing, at, reach.off_walls_m)
+    there = shapely.MultiPoint([(place[0], place[1]) for place in places])
+    return bool(shapely.dwithin(part, there, reach.off_walls_m))
+
+
 def _frontier_of(
     run: JudgedRun, space: Polygon, unknown: BaseGeometry, reach: Reach
 ) -> BaseGeometry:
@@ -194,8 +218,6 @@ def _unknown_and_standing(
         unknown = solid(unknown.difference(space.boundary.buffer(reach.blind_m, quad_segs=4)))
     unknown = unknown.buffer(-reach.scrap_m, quad_segs=4)
     unknown = solid(unknown.buffer(reach.scrap_m * 0.999, quad_segs=4))
-    if unknown.is_empty:
-        return unknown, MultiPolygon()
     standing = known.buffer(-reach.off_unknown_m, quad_segs=4)
     roomy = space.buffer(-reach.off_walls_m, quad_segs=4)
     return unknown, solid(standing.intersection(roomy).simplify(SIMPLER_M))

@@ -60,7 +60,7 @@ def bring_the_rest(robot: SrtRobot, why: str) -> Steps:
 def go_home(robot: SrtRobot, homing: SrtHoming, why: str) -> Steps:
     """Go to the nearest node where the base station hears the robot, and deliver.
 
-    It ends on the way once all is acknowledged.
+    It ends on the way once all is acknowledged, or if bodies bar it.
     """
     yield homing.decision_note(why)
     was_enabled, homing.is_enabled = homing.is_enabled, False
@@ -79,5 +79,8 @@ def go_home(robot: SrtRobot, homing: SrtHoming, why: str) -> Steps:
     robot.journey.begin("home")
     yield from robot.team.begin_step()
     yield from until_boxed_in(robot, take_steps(robot, next_choice))
-    yield from homing.deliver()
+    if robot.team.carries and not homing.is_home():
+        homing.note_barred()
+    else:
+        yield from homing.deliver()
     homing.is_enabled, homing.goes_home = was_enabled, False

@@ -94,6 +94,8 @@ class SrtHoming:
         self._painted = 0
         self._delivered = DeliveredShare(known.entries, self._raster)
         self._unheard_s: float | None = None
+        # How often in succession bodies barred the way home, and when it is tried again.
+        self._times_barred, self._again_s = 0, -math.inf
 
     @property
     def has_delivered(self) -> bool:
@@ -193,6 +195,8 @@ class SrtHoming:
         unheard_s = self._unheard_s
         if unheard_s is not None and self._team.base_heard_s <= unheard_s:
             return False
+        if self._at.time_s < self._again_s:
+            return False
         self._contact.update(self._map.entries)
         return len(self._contact.nodes) > 0
 
@@ -232,6 +236,15 @@ class SrtHoming:
             yield from team.ask_base()
             yield from team.pause(team.period_s)
         self._unheard_s = at.time_s if team.carries else None
+        self._times_barred = 0
+
+    def note_barred(self) -> None:
+        """Record that bodies bar the way home: it is tried again after a while.
+
+        After `home_wait_s`; if it is barred again, after twice as long, and so on.
+        """
+        self._again_s = self._at.time_s + self._options.home_wait_s * 2.0**self._times_barred
+        self._times_barred += 1
 
     def decision_note(self, why: str) -> Note:
         """Return the action that records why the robot goes home."""

@@ -1,14 +1,21 @@
 """Messages and sightings, as seen between explorers and the simulation."""
 
 import math
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 import shapely
 
 from multisrt.campaign.judged_run import JudgedRun
 from multisrt.campaign.mission import judge
-from multisrt.campaign.sightings import Looked, bodies_in_sight
 from multisrt.campaign.witness import Witness
+from multisrt.campaign.witness.sightings import (
+    EndOfMotion,
+    Looked,
+    bodies_in_sight,
+    ends_of_motions,
+)
 from multisrt.environments.environment import Environment
 from multisrt.events import Died, Motion, Sent
 from multisrt.geometry.bodies.footprint import Footprint
@@ -53,6 +60,12 @@ class Alarm(Message, frozen=True):
     wakes = True
 
 
+def witness_of(run):
+    """Return the witness of a run that is played by hand."""
+    setup: Any = SimpleNamespace(spec=run.recording.spec, explorers=())
+    return Witness(setup)
+
+
 class Played:
     """A run of three robots that is played by hand, and judged."""
 
@@ -60,7 +73,7 @@ class Played:
         self.run = written(
             starts=STARTS, end_s=END_S, radio=RadioSpec(**radio), faults=tuple(faults)
         )
-        self.witness = Witness(self.run.recording.spec)
+        self.witness = witness_of(self.run)
 
     def send(self, time_s, message, reached, to=None, lost=()):
         self.witness.overhear(message.sender, time_s, None, Send(message=message, to=to))
@@ -236,6 +249,16 @@ def test_messages_of_the_base_station_are_known_by_their_kind():
     assert played.says() == [says]
 
 
+def test_of_equal_messages_one_may_have_been_lost_in_a_silence():
+    hello = Hello(sender=3)
+    played = Played(jitter_s=2.0, faults=[Silence(robot=1, time_s=0.5, duration_s=0.5)])
+    played.base_sends(0.0, hello, [1])  # arrives at 0.7 s, in the silence
+    played.base_sends(1.2, hello, [1])  # arrives at 1.5 s
+    played.wait(1, 0.0, 1.5, hello)
+    played.wait(1, 1.5, 6.0, timeout_s=4.5)
+    assert played.says() == []
+
+
 @pytest.mark.parametrize(("delay_s", "finds"), [(1.0, True), (1.7, True), (None, False)])
 def test_delays_differ_with_jitter(delay_s, finds):
     played = Played(latency_s=1.0, jitter_s=1.0)
@@ -316,9 +339,41 @@ def test_bodies_that_move_are_where_they_are_then():
     )
 
 
+def test_bodies_are_seen_as_they_are():
+    run = written(starts=STARTS[:2], robots=(RobotSpec(), RobotSpec(footprint="disc:0.2")))
+    assert looked(run, seen(1, 2.0, 1.5)) == "robot 0 sees robot 1 as another body, at 1.00 s"
+
+
+def told(run, by, blocked_by=None, x=1.0, time_s=1.0):
+    moved = Moved(
+        configuration=Configuration(x, 1.5, 0.0),
+        time_s=time_s,
+        blocked_by=blocked_by,
+    )
+    found = next(ends_of_motions(run, [EndOfMotion(0, 1.0, moved, by)]), None)
+    return "" if found is None else found.says.partition(" at 1.00 s ")[2]
+
+
+@pytest.mark.parametrize(
+    ("given", "says"),
+    [
+        ({"by": None}, None),
+        ({"by": 1, "blocked_by": seen(1, 2.0, 1.5)}, None),
+        ({"by": 1}, "by nobody, and not robot 1"),
+        ({"by": None, "blocked_by": seen(1, 2.0, 1.5)}, "by robot 1, and not nobody"),
+        ({"by": 1, "blocked_by": seen(2, 3.0, 1.5)}, "by robot 2, and not robot 1"),
+        ({"by": 1, "blocked_by": seen(1, 2.1, 1.5)}, "by robot 1 where it is not"),
+        ({"by": None, "x": 1.1}, "where it is not"),
+        ({"by": None, "time_s": 0.9}, "at 0.900 s"),
+    ],
+)
+def test_robots_are_told_how_their_motions_end(given, says):
+    assert told(written(starts=STARTS), **given) == (says or "")
+
+
 def test_looks_are_taken_from_what_explorers_are_sent():
     run = written(starts=STARTS[:2])
-    witness = Witness(run.recording.spec)
+    witness = witness_of(run)
     witness.overhear(0, 1.0, None, Look())
     witness.overhear(0, 1.0, (seen(1, 3.9, 1.5),), Receive())
     (found,) = witness.violations(run)
@@ -357,7 +412,7 @@ def test_runs_with_a_bad_radio_are_judged_and_hold(strategy, monkeypatch):
 def test_what_is_overheard_changes_nothing():
     spec = RunSpec(environment=CatalogEnvironment(name="open"), robots=(RobotSpec(),) * 2)
     setup = set_up(spec)
-    witness = Witness(setup.spec)
+    witness = Witness(setup)
     simulation = Simulation(setup, watch=witness.watch, overhear=witness.overhear)
     while simulation.has_events():
         simulation.clock.step()

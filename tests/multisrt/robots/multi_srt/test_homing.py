@@ -11,6 +11,9 @@ from multisrt.environments.catalog import environment
 from multisrt.environments.environment import Environment
 from multisrt.events import BaseLearned, Decided, Decision, Ended, Motion, NodeAdded
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.robots.multi_srt import bring_home
+from multisrt.robots.multi_srt.build_srt import take_steps
+from multisrt.robots.multi_srt.progress import BoxedIn
 from multisrt.robots.registry import strategy
 from multisrt.simulation.simulate import simulate
 from multisrt.simulation.worlds import inline
@@ -216,6 +219,28 @@ def test_a_teams_living_robots_bring_home_what_they_know():
     own = {(e.robot, e.serial) for e in recording.of(NodeAdded) if e.robot != 2}
     delivered = {tuple(n) for e in recording.of(BaseLearned) for n in e.nodes}
     assert own <= delivered
+
+
+def test_a_way_home_that_is_barred_is_tried_again_later(monkeypatch):
+    barred_s = []
+
+    def stopped(robot, choose):
+        if len(barred_s) == 3:
+            yield from take_steps(robot, choose)
+        else:
+            barred_s.append(robot.at.time_s)
+            raise BoxedIn
+
+    monkeypatch.setattr(bring_home, "take_steps", stopped)
+    spec = spec_of((1.0, 1.2), limit_s=600.0, home="worth", home_ratio=0.8, home_wait_s=10.0)
+    recording = simulate(spec)
+    first_s, second_s, third_s = barred_s
+    # It explores on for so long, where it was stopped, and then brings all home.
+    assert second_s - first_s >= 10.0
+    assert third_s - second_s >= 20.0
+    assert any(first_s < n.time_s < second_s for n in recording.of(NodeAdded))
+    metrics = measure(recording, CORRIDOR)
+    assert metrics.delivered_coverage == pytest.approx(metrics.coverage, abs=1e-9)
 
 
 def test_trees_have_no_relays():

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Hashable, Iterator
 from dataclasses import dataclass
 from typing import Final
 
@@ -34,6 +34,10 @@ class _Letter:
     first_s: float
     last_s: float
 
+    @property
+    def known_by(self) -> Hashable:
+        return (self.sender, self.kind) if self.message is None else id(self.message)
+
     def is_of(self, message: Message) -> bool:
         if self.message is not None:
             return self.message is message
@@ -52,7 +56,8 @@ class Arrivals:
     - A robot that waits receives it at once: not later than latency and jitter after it was sent,
       or when the wait began. A robot that moves does, if the message wakes it.
     - Whoever receives something, or waits in vain, has then received all that has arrived.
-    - What arrives while a radio is silent is not received.
+    - What arrives while a radio is silent is not received. A message of which the same was sent to
+      the robot when its radio may have been silent is not judged.
     - Delays vary if the radio has jitter.
     - Waits end when their explorers say, if nothing ends them before.
 
@@ -62,6 +67,11 @@ class Arrivals:
     ----------
     spec : RunSpec
         The run.
+
+    Attributes
+    ----------
+    last_s : float
+        Time in seconds until which a message may be on its way.
     """
 
     def __init__(self, spec: RunSpec) -> None:
@@ -70,8 +80,11 @@ class Arrivals:
         self._silences = [fault for fault in spec.faults if isinstance(fault, Silence)]
         self._sending: tuple[int, Message, int | None] | None = None
         self._due: list[list[_Letter]] = [[] for _ in spec.robots]
+        # For each robot what it may not have heard.
+        self._doubtful: list[set[Hashable]] = [set() for _ in spec.robots]
         self._delays_s: list[float] = []
         self._found: Violation | None = None
+        self.last_s = 0.0
 
     def sends(self, robot: int, message: Message, to: int | None) -> None:
         """Take what an explorer sends; the recorded event follows."""
@@ -96,9 +109,14 @@ class Arrivals:
             first_s=first_s,
             last_s=first_s + self._radio.jitter_s,
         )
+        if event.reached:
+            self.last_s = max(self.last_s, letter.last_s)
         for receiver in event.reached:
-            if receiver != self._base:
-                self._due[receiver].append(letter)
+            if receiver == self._base:
+                continue
+            self._due[receiver].append(letter)
+            if self._may_be_silent(receiver, letter):
+                self._doubtful[receiver].add(letter.known_by)
 
     def ended(
         self, robot: int, begin_s: float, outcome: Outcome, now_s: float, *, moves: bool
@@ -171,6 +189,9 @@ class Arrivals:
         letter = next(fitting, None)
         if letter is None:
             letter = sent[0]
+            if letter.known_by in self._doubtful[robot] and not self._is_silent(robot, letter):
+                self._due[robot].remove(letter)
+                return
             says = f"{letter} is received {now_s - letter.sent_s:.3f} s later"
             self._violated(f"{says} by robot {robot}", robot, now_s)
         self._due[robot].remove(letter)
@@ -178,10 +199,10 @@ class Arrivals:
             self._delays_s.append(now_s - letter.sent_s)
 
     def _overdue(self, robot: int, now_s: float) -> list[_Letter]:
-        """Take out what was to arrive by a moment; return what a silence does not excuse."""
+        """Take out what was to arrive by a moment; return what must have."""
         overdue = [n for n in self._due[robot] if n.last_s < now_s - ROUNDING_S]
         self._due[robot] = [n for n in self._due[robot] if n.last_s >= now_s - ROUNDING_S]
-        return [letter for letter in overdue if not self._may_be_silent(robot, letter)]
+        return [n for n in overdue if n.known_by not in self._doubtful[robot]]
 
     def _is_silent(self, robot: int, letter: _Letter) -> bool:
         return any(

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import math
+from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,11 +13,16 @@ from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.grids.march_cells import first_outside
 from multisrt.geometry.numerics.arrays import BoolArray, FloatArray, IntArray
 
+ROUNDING: Final = 1e-9
+"""Distance from a border of cells at which a point is on it, in widths of a cell."""
+
 
 def checked_sources(
     sources: ArrayLike, free: BoolArray, cell_m: float, x0: float, y0: float
 ) -> FloatArray:
     """Check the sources of a field and convert them to widths of a cell.
+
+    A source on the border of two cells, to 1e-9 of their width, is in the one that is free.
 
     Parameters
     ----------
@@ -51,13 +58,24 @@ def checked_sources(
     rows, columns = free.shape
     cells: FloatArray = (points - (x0, y0)) / cell_m
     for k, (column, row) in enumerate(cells.tolist()):
-        inside = 0.0 <= column < columns and 0.0 <= row < rows
-        if not (inside and free[int(row), int(column)]):
+        for x, y in itertools.product(_beside_borders(column), _beside_borders(row)):
+            if 0.0 <= x < columns and 0.0 <= y < rows and free[int(y), int(x)]:
+                cells[k] = x, y
+                break
+        else:
             raise InvalidInputError(
                 f"source {k} at ({points[k, 0]:g}, {points[k, 1]:g}) is not in a free cell: "
                 "move it to one"
             )
     return cells
+
+
+def _beside_borders(at: float) -> tuple[float, ...]:
+    """Return a coordinate and, if it is that of a border, those next to it on both sides."""
+    border = math.floor(at + 0.5) if math.isfinite(at) else math.inf
+    if not abs(at - border) <= ROUNDING:
+        return (at,)
+    return at, border, math.nextafter(border, -math.inf)
 
 
 def checked_cells(cells: ArrayLike, free: BoolArray) -> IntArray:

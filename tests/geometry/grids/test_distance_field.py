@@ -216,7 +216,7 @@ def test_examples():
         ({"sources": [(1.0, 1.0, 1.0)]}, "(k, 2)"),
         ({"sources": [(1.0, 1.0), (2.5, 2.5)]}, "source 1 at (2.5, 2.5) is not in a free cell"),
         ({"sources": [(-0.1, 1.0)]}, "source 0 at (-0.1, 1)"),
-        ({"sources": [(5.0, 1.0)]}, "source 0 at (5, 1)"),
+        ({"sources": [(5.1, 1.0)]}, "source 0 at (5.1, 1)"),
         ({"sources": [(np.nan, 1.0)]}, "source 0 at (nan, 1)"),
         ({"asked": [(0, 0), (4, 1)]}, "cell (4, 1) is not in the grid of 4 rows and 5 columns"),
         ({"asked": [(-1, 0)]}, "cell (-1, 0)"),
@@ -293,6 +293,19 @@ def test_a_field_follows_free_space_that_grows_in_a_large_grid(seed):
         field.repair((r0, min(160, row + height), c0, min(200, column + width)))
     field.complete()
     assert np.array_equal(field.reached(), distance_field(passable, 1.0, source))
+
+
+@pytest.mark.parametrize("x", [2.0, 2.0 - 1e-13, 2.0 + 1e-13])
+def test_a_source_on_a_border_of_cells_is_in_the_one_that_is_free(x):
+    for free_column in (1, 2):
+        passable = np.zeros((3, 5), bool)
+        passable[:, free_column] = True
+        field = DistanceField(passable, 1.0, [(x, 1.5)])
+        assert field.distance([(1, free_column)])[0] == pytest.approx(0.5)
+        assert np.isfinite(field.distance([(2, free_column)])[0])
+        passable[:, free_column] = False
+        with pytest.raises(InvalidInputError, match="not in a free cell"):
+            DistanceField(passable, 1.0, [(x, 1.5)])
 
 
 def test_a_field_whose_source_was_blocked_still_answers():

@@ -28,6 +28,12 @@ UNHEARD: Final = 1e-6
 MARGIN_M: Final = 0.05
 """Robots subtract this from the range of the radio, in metres."""
 
+SRT_CELL_M: Final = 0.1
+"""Maximum width of the cells in which robots of the SRT family count areas, in metres."""
+
+SURELY_A_CELL: Final = 1.5
+"""A disc with a radius of so many cells holds at least one."""
+
 LEAST_M2: Final = 0.05
 """Smaller areas that the base station lacks are scraps."""
 
@@ -37,12 +43,12 @@ def data_is_returned(run: JudgedRun) -> Violation | None:
 
     With a base station and a `home` other than `never`, each robot that is alive, and whose last
     end says that its map is complete or that no time is left, has delivered all nodes that it knew
-    when it ended, but for parts of them of together less than 0.05 m2. This holds if it has been
-    where it is certainly heard: at a node of its own that is at most the range of the radio less
-    0.05 m away from the base station and, where walls matter, with the base station in its region.
-    There must be a path to there past all bodies, with the room that robots keep: cells do not show
-    every narrow place that was passed. Only a single robot of the SRT family needs none, as it has
-    its tree.
+    when it ended, but for parts of them of together less than 0.05 m2, and for parts that are too
+    narrow to hold a cell of its grid. This holds if it has been where it is certainly heard: at a
+    node of its own that is at most the range of the radio less 0.05 m away from the base station
+    and, where walls matter, with the base station in its region. There must be a path to there past
+    all bodies, with the room that robots keep: cells do not show every narrow place that was
+    passed. Only a single robot of the SRT family needs none, as it has its tree.
     Robots may give up if they are not heard for `home_wait_s`. Runs in which radios fail are
     therefore not judged, nor those in which it may well be that all is lost for so long.
 
@@ -66,7 +72,10 @@ def data_is_returned(run: JudgedRun) -> Violation | None:
         if not lacking or not _may_be_heard(run, robot, known, end.time_s):
             continue
         here = [name for name in known if name in delivered]
-        area_m2 = united(run, known).area - (united(run, here).area if here else 0.0)
+        lacked = united(run, known).difference(united(run, here))
+        # Robots count areas in cells: only such whole ones are sure to be noticed.
+        wide_m = SURELY_A_CELL * run.options.get("cell_m", SRT_CELL_M)
+        area_m2 = lacked.buffer(-wide_m).buffer(wide_m).area
         if area_m2 > LEAST_M2:
             return Violation(
                 invariant=NAME,

@@ -109,6 +109,13 @@ MUTANTS: Final = (
         new="self._link_m = 0.6 * options.home_link * me.radio.range_m",
     ),
     Mutant(
+        name="limit-for-later",
+        breaks="Robots that are to be home in time think that they have half as much time again.",
+        file="robots/homing/just_in_time.py",
+        old="return self.limit_s - now_s - self.travel_time_s(home_m) - self.reserve_s",
+        new="return 1.5 * self.limit_s - now_s - self.travel_time_s(home_m) - self.reserve_s",
+    ),
+    Mutant(
         name="option-ignored",
         breaks="The option max_waits is ignored: robots wait without limit for others to leave.",
         file="robots/frontier/progress.py",

@@ -47,7 +47,11 @@ from multisrt.campaign.invariants.motion import (
 )
 from multisrt.campaign.invariants.progress import drives_get_somewhere
 from multisrt.campaign.invariants.reasons import incomplete_for_a_reason
-from multisrt.campaign.invariants.returning import data_is_returned, ends_at_home
+from multisrt.campaign.invariants.returning import (
+    data_is_returned,
+    ends_at_home,
+    turns_back_in_time,
+)
 from multisrt.campaign.invariants.starting import starts_and_faults
 from multisrt.campaign.invariants.waiting import waits_within_limits
 from multisrt.campaign.judged_run import JudgedRun
@@ -77,6 +81,7 @@ INVARIANTS: Final[Mapping[str, Invariant]] = MappingProxyType(
         "closings-are-for-some": closings_are_for_some,
         "goals-by-rule": goals_by_rule,
         "data-is-returned": data_is_returned,
+        "turns-back-in-time": turns_back_in_time,
         "ends-at-home": ends_at_home,
         "complete-is-complete": complete_is_complete,
         "boxed-in-is-boxed-in": boxed_in_is_boxed_in,

@@ -10,13 +10,14 @@ import shapely
 
 from multisrt.campaign.invariants.completeness import BELIEF_S, bodies_around, reach_of
 from multisrt.campaign.invariants.open_frontier import path_leads, united
-from multisrt.campaign.judged_run import ROUNDING_M, JudgedRun
+from multisrt.campaign.judged_run import ROUNDING_M, ROUNDING_S, JudgedRun
 from multisrt.campaign.violations import Violation, quoted
-from multisrt.events import BaseLearned, NodeName
+from multisrt.events import BaseLearned, Motion, NodeName
 from multisrt.planners.home_options import NO_TIME_LEFT
 from multisrt.spec import Silence
 
 NAME: Final = "data-is-returned"
+IN_TIME: Final = "turns-back-in-time"
 AT_HOME: Final = "ends-at-home"
 
 AT_HOME_M: Final = 1e-3
@@ -83,6 +84,51 @@ def data_is_returned(run: JudgedRun) -> Violation | None:
                 f"base station lacks {area_m2:.2f} m2 of what it knew",
                 robot=robot,
                 time_s=end.time_s,
+            )
+    return None
+
+
+def turns_back_in_time(run: JudgedRun) -> Violation | None:
+    """Check that a robot sets out to explore only while there is time to come home.
+
+    With ``home="in-time"`` or ``"worth"``, for single robots that bid. When a motion to explore
+    begins, while the base station lacks a node of the robot, the time left is at least that of the
+    straight way to where the base station may hear it, with the share `home_margin`, and
+    `home_reserve_s`. This holds once it has been where it is certainly heard and can drive there;
+    see `data_is_returned`, also for the runs that are not judged.
+
+    Cost: negligible.
+    """
+    spec, options = run.recording.spec, run.options
+    if run.family != "frontier" or spec.base is None or len(run.robots) > 1:
+        return None
+    if options["home"] not in ("in-time", "worth") or _may_be_unheard(run):
+        return None
+    if any(isinstance(fault, Silence) for fault in spec.faults):
+        return None
+    learned_s = {
+        (robot, serial): event.time_s
+        for event in run.recording.of(BaseLearned)
+        for robot, serial in event.nodes
+    }
+    speed_m_s = spec.robots[0].drive.speed_m_s
+    heard_m = spec.radio.reach_m + 2.0 * options["cell_m"]
+    for motion in sorted(run.recording.of(Motion), key=lambda motion: motion.time_s):
+        now_s = motion.waypoints[0][0]
+        away_m = max(0.0, math.dist(motion.waypoints[0][1:3], spec.base.place) - heard_m)
+        home_s = away_m * (1.0 + options["home_margin"]) / speed_m_s + options["home_reserve_s"]
+        left_s = spec.stop.max_time_s - now_s
+        if motion.purpose != "explore" or away_m == 0.0 or left_s >= home_s - ROUNDING_S:
+            continue
+        known = [name for name, time_s in run.known[0].items() if time_s <= now_s]
+        carries = any(learned_s.get(name, math.inf) > now_s for name in known)
+        if carries and _may_be_heard(run, 0, known, now_s):
+            return Violation(
+                invariant=IN_TIME,
+                says=f"robot 0 sets out to explore at {now_s:.2f} s, {away_m:.2f} m from where it "
+                f"may be heard, with {left_s:.2f} s left, of which it needs {home_s:.2f} s",
+                robot=0,
+                time_s=now_s,
             )
     return None
 

@@ -2,10 +2,12 @@
 
 import msgspec
 import pytest
+import shapely
 
 from multisrt.analysis.measuring import measure_with_curves
 from multisrt.campaign.invariants import INVARIANTS, JudgedRun, measures
-from multisrt.events import BaseLearned, Blocked, Ended, GoalChosen, NodeAdded, Sent
+from multisrt.environments.environment import Environment
+from multisrt.events import BaseLearned, Blocked, Ended, GoalChosen, Motion, NodeAdded, Sent
 from multisrt.simulation.simulate import simulate
 from multisrt.simulation.standstill import NOTHING_NEW
 from multisrt.simulation.worlds import build_environment
@@ -165,3 +167,54 @@ def test_measures_that_are_not_those_of_the_events(bids, name, monkeypatch):
     wrong = replace(said, **{name: 1.5 * getattr(said, name) + 1.0})
     monkeypatch.setattr(measures, "measure_with_curves", lambda *_: (wrong, curves))
     assert name in says(bids, "measures-consistent")
+
+
+@pytest.mark.parametrize(
+    ("begin_s", "options", "finds"),
+    [
+        (20.0, {"home": "in-time"}, False),
+        (22.0, {"home": "in-time"}, True),
+        (22.0, {"home": "worth"}, True),
+        (22.0, {"home": "never"}, False),
+        (22.0, {"home": "in-time", "home_reserve_s": 5.0}, False),
+    ],
+)
+def test_a_robot_that_sets_out_too_late(begin_s, options, finds):
+    # 6.02 m from the base station, of which 2 m and two cells are in reach: 7.64 s at 0.5 m/s, a
+    # quarter of that, and 10 s in reserve. It has to turn back at 21.45 s.
+    room = Environment("hall", shapely.box(0.0, 0.0, 12.0, 3.0))
+    nodes = [node_at(1.0, 0), node_at(7.0, 1, time_s=5.0)]
+    way = ((begin_s, 7.0, 1.5, 0.0), (begin_s + 1.0, 7.5, 1.5, 0.0))
+    there = ((1.0, 1.0, 1.5, 0.0), (5.0, 7.0, 1.5, 0.0))
+    motions = [
+        Motion(time_s=waypoints[0][0], robot=0, waypoints=waypoints, purpose="explore")
+        for waypoints in (there, way)
+    ]
+    run = written(
+        [*nodes, *motions],
+        starts=((1.0, 1.5, 0.0),),
+        environment=room,
+        strategy="closest",
+        options=options,
+        radio=RadioSpec(range_m=2.0),
+        base=BaseSpec(x=1.0, y=1.0),
+        stop=StopRule(max_time_s=41.0),
+        end_s=41.0,
+    )
+    found = INVARIANTS["turns-back-in-time"](run)
+    assert (found is not None) is finds
+    assert found is None or found.says.startswith("robot 0 sets out to explore at 22.00 s, ")
+
+
+def node_at(x, serial, time_s=0.0):
+    corners = shapely.get_coordinates(shapely.box(x - 4.0, 0.0, x + 4.0, 3.0))[:4][::-1]
+    return NodeAdded(
+        time_s=time_s,
+        robot=0,
+        serial=serial,
+        parent=None,
+        configuration=(x, 1.5, 0.0),
+        stage="scan",
+        boundary=tuple(map(tuple, corners.clip(0.0, 12.0).tolist())),
+        tags="0101",
+    )

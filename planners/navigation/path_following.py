@@ -26,6 +26,10 @@ MIN_MOTION_M = 0.01
 SAME_CORNER_M = 1e-9
 """Consecutive corners of a path closer than this count as one, in metres; so do distances to it."""
 
+AHEAD_M = (3.0, 2.0, 1.5, 1.0, 0.5, 0.25)
+"""Distances ahead on its path, in metres, at which a robot beside it that saves turns joins it: the
+first that it can reach."""
+
 
 def ahead(path: FloatArray, at: Configuration) -> FloatArray:
     """Return the rest of a path from its point nearest to the robot on.
@@ -71,7 +75,8 @@ def follow(
     """Return the motion along the longest beginning of a path that stays in a region.
 
     The first leg that does not fit is shortened to where the body still fits, and is the last. A
-    robot beside its path moves straight to the second corner if it can, else to the first.
+    robot beside its path moves straight to the second corner if it can, else to the first. If it
+    saves turns, it first tries places on the leg between these.
 
     Parameters
     ----------
@@ -122,6 +127,8 @@ def follow(
         or steer(body, kinematics, boundary, at, *_within(at, corners[1], limit_m)) is not None
     ):
         corners = corners[1:]
+    elif saves_turns and len(corners) > 1:
+        corners = _joined_ahead(body, kinematics, boundary, at, corners)
     motion: Trajectory | None = None
     driven = 0.0
     for corner in corners:
@@ -146,6 +153,28 @@ def follow(
         if not fits:
             return motion if driven >= MIN_MOTION_M else None
     return motion
+
+
+def _joined_ahead(
+    body: PlanningBody,
+    kinematics: Kinematics,
+    boundary: FloatArray,
+    at: Configuration,
+    corners: FloatArray,
+) -> FloatArray:
+    """Return a path that a robot beside it joins farther ahead, where it can, than at its foot.
+
+    A curve leaves its path, and ends there if it is cut short. Back to the foot it is a turn aside.
+    """
+    foot, leg = corners[0], corners[1] - corners[0]
+    length_m = math.hypot(*leg.tolist())
+    for ahead_m in AHEAD_M:
+        if ahead_m < length_m:
+            place = foot + leg * (ahead_m / length_m)
+            x, y = place.tolist()
+            if steer(body, kinematics, boundary, at, x, y) is not None:
+                return np.vstack([place[None], corners[1:]])
+    return corners
 
 
 def _within(here: Configuration, corner: FloatArray, distance: float) -> tuple[float, float]:

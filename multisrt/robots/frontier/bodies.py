@@ -59,7 +59,8 @@ class Bodies:
         self._course = course
         self._map = map
         self._standing: dict[int, BodyInTheWay] = {}
-        self._sought: set[int] = set()
+        # Robots that were dropped to look for them, and where they had been seen.
+        self._sought: dict[int, Sighting] = {}
 
     def __len__(self) -> int:
         return len(self._standing)
@@ -85,11 +86,14 @@ class Bodies:
         until_s : float
             The time in seconds; ``inf`` if it is presumed lost.
         """
-        self._standing[sighting.robot] = BodyInTheWay(sighting, self._course.time_s, until_s)
+        number = sighting.robot
+        if number in self._sought and has_moved(sighting, self._sought[number]):
+            del self._sought[number]
+        self._standing[number] = BodyInTheWay(sighting, self._course.time_s, until_s)
 
     def note_heard(self, robot: int) -> None:
         """Drop a robot that was presumed lost: it was heard from."""
-        self._sought.discard(robot)
+        self._sought.pop(robot, None)
         body = self._standing.get(robot)
         if body is not None and body.is_lost:
             del self._standing[robot]
@@ -97,8 +101,8 @@ class Bodies:
     def seek_lost(self, age_s: float) -> bool:
         """Drop robots presumed lost that were last seen long ago; return whether there is any.
 
-        They may have left, and only their messages were lost. Each is dropped once until it is
-        heard from, as it may be dead.
+        They may have left, and only their messages were lost. Each is dropped once, as it may be
+        dead, until it is heard from or was seen elsewhere.
 
         Parameters
         ----------
@@ -106,10 +110,12 @@ class Bodies:
             Minimum time in seconds since it was seen.
         """
         sought = {
-            number
+            number: body.sighting
             for number, body in self._standing.items()
-            if body.is_lost and self._course.time_s > body.seen_s + age_s
-        } - self._sought
+            if body.is_lost
+            and self._course.time_s > body.seen_s + age_s
+            and number not in self._sought
+        }
         for number in sought:
             del self._standing[number]
         self._sought |= sought

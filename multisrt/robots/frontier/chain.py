@@ -28,6 +28,7 @@ import numpy as np
 from multisrt.geometry.grids.occupancy.layers import FREE
 from multisrt.geometry.grids.sight import in_sight
 from multisrt.geometry.numerics.arrays import BoolArray, FloatArray
+from multisrt.geometry.numerics.distances import length_of
 from multisrt.planners.relay_chain import relay_places
 from multisrt.robots.explorer import RobotSelf
 from multisrt.robots.frontier.course import Course
@@ -268,17 +269,38 @@ class Chain:
         if not late:
             return None
         self._called_for = goal.place
-        here = self._course.at[:2]
         travel_s = [self._travel_time_s(link) for link in late]
         named = ", ".join(str(link.robot) for link in late)
         return Errand(
             kind="wait",
             why=f"for {'robots' if len(late) > 1 else 'robot'} {named} to come to "
             f"{'their places' if len(late) > 1 else 'its place'}",
-            goal=Goal(*here, np.array([here]), 0.0),
+            goal=self._waiting_place(),
             is_over=lambda: not self._not_in_place(),
             until_s=self._course.time_s + max(travel_s) + self._options.home_wait_s,
         )
+
+    def _waiting_place(self) -> Goal:
+        """Return where the front waits for its relays: here, if it is linked with one of them.
+
+        Otherwise, as they leave for other places, it goes back towards the nearest of these, or the
+        base station, until it is linked with it.
+        """
+        here = self._course.at[:2]
+        stays = Goal(*here, np.array([here]), 0.0)
+        anchors = [*(link.place for link in reversed(self._team.links or ())), self._base]
+        if any(self.linked(np.array([here]), anchor)[0] for anchor in anchors):
+            return stays
+        goals = [(self._home_paths.goal_near(anchor), anchor) for anchor in anchors]
+        ways = [(goal, anchor) for goal, anchor in goals if goal is not None]
+        if not ways:
+            return stays
+        goal, anchor = min(ways, key=lambda way: way[0].cost_m)
+        points = _points_along(goal.path, self._map.raster.cell_m)
+        linked = self.linked(points, anchor)
+        path = points[: int(np.argmax(linked)) + 1] if linked.any() else points
+        x, y = path[-1].tolist()
+        return Goal(x, y, path, length_of(path))
 
     def take_called_for(self) -> Place | None:
         """Return the goal of the last call, once, if this is the front and all are in place."""
@@ -330,8 +352,11 @@ class Chain:
         ]
 
     def _travel_time_s(self, link: ChainLink) -> float:
-        length_m = self._length(self._team.teammates.reports[link.robot].place[:2], link.place)
-        return self._time.travel_time_s(length_m) if math.isfinite(length_m) else 0.0
+        report = self._team.teammates.reports[link.robot]
+        length_m = self._length(report.place[:2], link.place)
+        if math.isinf(length_m):
+            return 0.0
+        return self._time.travel_time_s(length_m, report.speed_m_s)
 
     def _length(self, here: Place, there: Place) -> float:
         return self._home_paths.length_between(here, there)

@@ -265,8 +265,7 @@ class FrontierHoming:
     def _is_due(self, course: Course) -> bool:
         """Return whether an explorer has to set out now to meet its relay in time."""
         now_s = course.time_s
-        is_linked = self._team.is_in_touch or not self._team.carries
-        if now_s < self._not_due_s or (is_linked and self.hears_partner()):
+        if now_s < self._not_due_s or (self._team.is_linked and self.hears_partner()):
             return False
         length_m = self._home_paths.length_between(course.at[:2], self.pair.target())
         travel_s = self.time.travel_time_s(length_m)
@@ -325,10 +324,20 @@ class FrontierHoming:
             paths = self._home_paths
             lengths_m = paths.length_from(course.at[:2]), paths.length_from(place)
             if all(map(math.isfinite, lengths_m)):
-                round_s = sum(map(self.time.travel_time_s, lengths_m)) + self.time.reserve_s
+                speed_m_s = self._speed_of_slower()
+                travel_s = [self.time.travel_time_s(length, speed_m_s) for length in lengths_m]
+                round_s = sum(travel_s) + self.time.reserve_s
         have = self._map.entries.counts()
         self._not_due_s = -math.inf
         return self.pair.propose(place, course.time_s, round_s, have, self._team.number)
+
+    def _speed_of_slower(self) -> float:
+        """Return the speed of the slower robot of the pair, in metres per second."""
+        reports, partner = self._team.teammates.reports, self.pair.partner
+        own_m_s = self.time.speed_m_s
+        if partner is None or partner not in reports:
+            return own_m_s
+        return min(own_m_s, reports[partner].speed_m_s or own_m_s)
 
     # Where ----------------------------------------------------------------------------------
 

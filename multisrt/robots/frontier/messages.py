@@ -63,6 +63,8 @@ class RobotReport(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True)
         is not the front.
     passes_front : bool
         Chains: whether it found nothing to do as the front, so that the next robot is the front.
+    speed_m_s : float or None
+        Pairs and chains: its speed; None for others.
     """
 
     robot: int
@@ -79,6 +81,7 @@ class RobotReport(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True)
     leader: bool = False
     links: tuple[ChainLink, ...] | None = None
     passes_front: bool = False
+    speed_m_s: float | None = None
 
 
 class ReportMessage(Message, frozen=True, kw_only=True):

@@ -169,6 +169,7 @@ class Team(Listener):
         self.passes_front = False
         self._answers = options.answers
         self._report_period_s = options.report_period_s
+        self._tells_speed = options.home in ("relays", "chain")
         self._me = me
         self._course = course
         self._map = map
@@ -183,6 +184,21 @@ class Team(Listener):
     def is_in_touch(self) -> bool:
         """Whether the base station was heard lately: it acknowledges data at once."""
         return self._is_recent(self.base_heard_s)
+
+    @property
+    def is_linked(self) -> bool:
+        """Whether the robot is in touch, or carries only nodes that may yet be acknowledged.
+
+        A base station that has nothing new to acknowledge is not heard for a long time.
+        """
+        if self.is_in_touch:
+            return True
+        return all(
+            isinstance(entry, Node)
+            and entry.id.robot == self.number
+            and self._is_recent(entry.time_s)
+            for entry in self.carried()
+        )
 
     def hears(self, robot: int) -> bool:
         """Whether another robot was heard lately."""
@@ -214,6 +230,7 @@ class Team(Listener):
             leader=self.cells.leader,
             links=self.links,
             passes_front=self.passes_front,
+            speed_m_s=self._me.kinematics.speed_m_s if self._tells_speed else None,
         )
 
     def report(
@@ -373,7 +390,7 @@ class Team(Listener):
         # Before the time, it stops its explorer only for their first agreement, and for data that
         # is not delivered as it is.
         radio = self._me.radio
-        is_linked = (radio.multi_hop or radio.reaches_all) and self.is_in_touch
+        is_linked = (radio.multi_hop or radio.reaches_all) and self.is_linked
         has_news = not is_linked and counts_beyond(report.have, self.base_has)
         if (has_news or pair.is_due(now_s)) and pair.take_ready_turn(now_s, self.period_s):
             ready = ReadyMessage(sender=self.number, number=pair.rendezvous.number)
@@ -381,7 +398,7 @@ class Team(Listener):
 
     def _take_ready(self, pair: Pair) -> None:
         """Meet the relay, which is here; not before the time if the base station hears all."""
-        is_heard = self.is_in_touch and not self.carries
+        is_heard = self.is_linked and not self.carries
         is_early = pair.is_paired and not pair.is_due(self._course.time_s)
         if pair.may_meet and not (is_heard and is_early):
             self.requests.meet = True

@@ -104,9 +104,13 @@ class JustInTime:
         """Maximum slack lost per second of driving, in seconds."""
         return 2.0 + self.margin
 
-    def travel_time_s(self, length_m: float) -> float:
-        """Return the estimated travel time of a path of this length in metres, in seconds."""
-        return length_m / self.speed_m_s * (1.0 + self.margin) + self.half_turn_s
+    def travel_time_s(self, length_m: float, speed_m_s: float | None = None) -> float:
+        """Return the estimated travel time of a path of this length in metres, in seconds.
+
+        At the speed of the robot, or that of another one.
+        """
+        speed_m_s = self.speed_m_s if speed_m_s is None else speed_m_s
+        return length_m / speed_m_s * (1.0 + self.margin) + self.half_turn_s
 
     def slack_s(self, now_s: float, home_m: float) -> float:
         """Return the time that is left after the path home and the reserve.

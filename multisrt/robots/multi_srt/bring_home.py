@@ -15,7 +15,7 @@ from multisrt.robots.multi_srt.progress import Event
 from multisrt.robots.multi_srt.robot import SrtRobot
 
 
-def bringing_home(robot: SrtRobot, task: Callable[[], Steps], tree: NodeId | None) -> Steps:
+def bringing_home(robot: SrtRobot, task: Callable[[bool], Steps], tree: NodeId | None) -> Steps:
     """Do a task; each time that the robot is called home, deliver, and begin the task again.
 
     Parameters
@@ -23,7 +23,7 @@ def bringing_home(robot: SrtRobot, task: Callable[[], Steps], tree: NodeId | Non
     robot : SrtRobot
         The robot.
     task : callable
-        Returns the steps of the task, from wherever the robot is.
+        Returns the steps of the task, from wherever the robot is; takes whether it was begun before.
     tree : NodeId or None
         Root of the tree that it extends then; see `Whereabouts.tree`.
 
@@ -32,13 +32,14 @@ def bringing_home(robot: SrtRobot, task: Callable[[], Steps], tree: NodeId | Non
     OutOfTime
         If there is no time for another target.
     """
+    resumes = False
     while True:
         try:
-            yield from task()
+            yield from task(resumes)
         except CalledHome as call:
             assert robot.homing is not None
             yield from go_home(robot, robot.homing, str(call))
-            robot.at.tree = tree
+            robot.at.tree, resumes = tree, True
         else:
             return
 

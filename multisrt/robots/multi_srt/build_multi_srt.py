@@ -66,19 +66,22 @@ class SrtExplorer:
     def explore(self) -> Steps:
         """Extend the own tree; deliver data meanwhile, and in the end."""
         robot = self.robot
-        root = robot.trees.root
-        yield from bringing_home(robot, lambda: until_boxed_in(robot, build_srt(robot)), root)
+
+        def build(resumes: bool) -> Steps:
+            return until_boxed_in(robot, build_srt(robot, resumes=resumes))
+
+        yield from bringing_home(robot, build, robot.trees.root)
         robot.at.tree = None
         yield from robot.team.rest()
         yield from bring_the_rest(robot, "it has explored its tree")
 
     def support(self, supported: Supported) -> Steps:
         """Extend the trees of others; deliver data meanwhile."""
-        yield from bringing_home(self.robot, lambda: support_others(self.robot, supported), None)
+        yield from bringing_home(self.robot, lambda _: support_others(self.robot, supported), None)
 
     def give_way(self) -> Steps:
         """Give way, if a master has ordered it; deliver data meanwhile."""
-        yield from bringing_home(self.robot, lambda: follow_orders(self.robot), None)
+        yield from bringing_home(self.robot, lambda _: follow_orders(self.robot), None)
 
     def in_time(self, task: Steps) -> Steps:
         """Do a task; end it if there is no time for more."""

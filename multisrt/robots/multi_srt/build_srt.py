@@ -47,7 +47,7 @@ EXPLORING = ("draw", "approach", "complete", "gain", "nearest_open", "bypass")
 """Choices of targets at which there is something to see, or on the way to such targets."""
 
 
-def build_srt(robot: SrtRobot, *, supports: bool = False) -> Steps:
+def build_srt(robot: SrtRobot, *, supports: bool = False, resumes: bool = False) -> Steps:
     """BUILD_SRT: extend a tree until the planner has no target.
 
     In its own tree the robot is at the root then; in support, where it explored the last frontier.
@@ -59,10 +59,13 @@ def build_srt(robot: SrtRobot, *, supports: bool = False) -> Steps:
     supports : bool
         Whether the tree is extended in support, where the third stage of the planner begins at
         once.
+    resumes : bool
+        Whether it was extended before, and the robot comes from elsewhere: it goes to an open node
+        then, not back to the root.
     """
     robot.progress.note(Event.NEW_TASK)
     robot.journey.begin("support" if supports else "explore")
-    yield from take_steps(robot, Planner(robot, completing=supports))
+    yield from take_steps(robot, Planner(robot, completing=supports or resumes))
 
 
 def until_boxed_in(robot: SrtRobot, steps: Steps) -> Steps:

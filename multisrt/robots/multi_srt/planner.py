@@ -268,7 +268,10 @@ class Planner:
         return True
 
     def _close(self, node: NodeId, arc: FloatArray, reason: ClosingReason) -> Steps:
-        # A robot that walls leave no motion cannot tell what can be reached.
+        # A robot that walls leave no motion cannot tell what can be reached, nor a car that finds
+        # none from its start.
+        if reason == "not reachable" and self._robot.roadmap.is_car:
+            self._robot.finds_no_motion = True
         if self._robot.is_walled_in:
             self._robot.progress.note(Event.NO_ROOM)
             raise BoxedIn

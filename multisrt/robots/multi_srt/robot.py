@@ -69,6 +69,8 @@ class SrtRobot:
         Whether it makes progress, and what it does where it does not.
     homing : SrtHoming or None
         When it delivers its data, if it ever does.
+    finds_no_motion : bool
+        Whether it is a car that found no motion to a place from which an arc is seen.
 
     Raises
     ------
@@ -102,6 +104,7 @@ class SrtRobot:
         self.views = Views(me, self.planner, self.bypass, options.max_views)
         self.journey = Journey(self.at, self.map, self.roadmap)
         self.progress = Progress(options)
+        self.finds_no_motion = False
         self.team = Team(me, options, self.at, self.map, roster)
         self.homing = (
             None
@@ -116,10 +119,15 @@ class SrtRobot:
 
     @property
     def is_walled_in(self) -> bool:
-        """Whether the robot has never left its start, where its region has no room to turn."""
+        """Whether the robot has never left its start, where its region has no room to turn.
+
+        Or, if it is a car, where it has found no motion to what it sees.
+        """
         root = self.trees.root
         if self.at.here != root or NodeId(self.me.robot, root.serial + 1) in self.map:
             return False
+        if self.finds_no_motion:
+            return True
         node = self.map[root]
         return not self.planner.body.is_roomy(node.region.boundary, node.configuration)
 

@@ -341,8 +341,15 @@ def _last_extended_s(robot: SrtRobot, root: NodeId) -> float:
 
 
 def _take_over_s(robot: SrtRobot, root: NodeId) -> float:
-    # With a limited radio: when a tree is free to be taken over from those that work on it.
-    times = [_gives_up_s(robot, number) for number in _at_work(robot, root)]
+    # With a limited radio: when a tree is free to be taken over from those that work on it. An owner
+    # that stands idle and is in no tree has ended, unless it is heard again soon.
+    roster, patience_s = robot.team.roster, robot.options.check_period_s
+    times = []
+    for number in _at_work(robot, root):
+        state = roster.states[number]
+        has_ended = state.phase == "idle" and state.tree is None
+        heard_s = roster.heard_s.get(number, 0.0)
+        times.append(heard_s + patience_s if has_ended else _gives_up_s(robot, number))
     return max(times, default=-math.inf)
 
 

@@ -234,3 +234,21 @@ def test_motions_follow_the_path_inside_the_region(
             for share in (0.1, 0.25, 0.5, 1.0, 1.5, 2.0, 2.5)
         )
         assert room < body.ample_radius_m or not region.contains(beyond)
+
+
+def test_a_robot_beside_its_path_that_saves_turns_joins_it_ahead():
+    # In a hall whose far end is not known yet: the second corner is out of sight.
+    hall = np.array([(0.0, 0.0), (6.0, 0.0), (6.0, 3.0), (0.0, 3.0)])
+    at, path = Configuration(1.0, 1.0, 0.0), np.array([[1.0, 1.6], [9.0, 1.6]])
+    motions = {
+        saves: follow(DISC, DRIVE, hall, at, path, saves_turns=saves) for saves in (False, True)
+    }
+    first = {saves: motion.waypoints[1:] for saves, motion in motions.items() if motion is not None}
+    # To the foot it is a quarter turn and 0.6 m; it is 3 m ahead otherwise.
+    assert max(waypoint.x for waypoint in first[False][:2]) == pytest.approx(1.0)
+    assert first[True][-1].x == pytest.approx(first[False][-1].x, abs=0.1)
+    plain, saving = motions[False], motions[True]
+    assert plain is not None
+    assert saving is not None
+    assert saving.duration_s < plain.duration_s - 2.0
+    assert min(waypoint.x for waypoint in first[True]) > 1.0

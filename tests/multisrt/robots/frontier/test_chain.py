@@ -11,6 +11,7 @@ import pytest
 import shapely
 
 from multisrt.analysis.measuring import measure
+from multisrt.environments.catalog import environment
 from multisrt.environments.environment import Environment
 from multisrt.events import BaseLearned, Decided, Ended, Motion, NodeAdded, PresumedLost
 from multisrt.geometry.bodies.footprint import Footprint
@@ -28,7 +29,15 @@ from multisrt.robots.homing.options import HomingOptions
 from multisrt.robots.registry import strategy
 from multisrt.simulation.simulate import simulate
 from multisrt.simulation.worlds import inline
-from multisrt.spec import BaseSpec, Death, RadioSpec, RobotSpec, RunSpec, Silence, StopRule
+from multisrt.spec import (
+    BaseSpec,
+    Death,
+    RadioSpec,
+    RobotSpec,
+    RunSpec,
+    Silence,
+    StopRule,
+)
 
 CORRIDOR = Environment("corridor", shapely.box(0, 0, 60, 2.4))
 STARTS = ((3.0, 0.6), (2.2, 1.8), (1.4, 0.6), (0.6, 1.8))
@@ -577,3 +586,22 @@ def test_a_relay_whose_path_was_barred_goes_once_it_is_free():
     again = chain.follow()
     assert not again.is_barred
     assert again.goal.place == pytest.approx((10.0, 1.2), abs=0.1)
+
+
+def test_a_front_whose_relays_leave_goes_back_into_touch():
+    # Rooms along a corridor: relays that are called to another room let go of where the front is.
+    office = environment("office")
+    run = simulate(
+        RunSpec(
+            environment=inline(office),
+            strategy="minpos",
+            options={"home": "chain"},
+            robots=tuple(RobotSpec(start=start) for start in ((2.0, 3.0), (2.8, 3.0), (2.0, 3.8))),
+            base=BaseSpec(x=2.0, y=3.0),
+            radio=RadioSpec(range_m=9.0),
+            stop=StopRule(max_time_s=1000.0),
+        )
+    )
+    assert run.of(PresumedLost) == []
+    assert measure(run, office).delivered_coverage > 0.5
+    assert "no goal is left from which the chain reaches the base station" in run.footer.reason

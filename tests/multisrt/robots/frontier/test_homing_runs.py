@@ -49,6 +49,7 @@ from multisrt.spec import (
     Death,
     DriveSpec,
     RadioSpec,
+    RangeFinderSpec,
     RobotSpec,
     RunSpec,
     Silence,
@@ -769,3 +770,68 @@ def test_a_strategy_without_the_option_refuses_it():
         pytest.raises(InvalidInputError, match="stays has no option 'home'"),
     ):
         go(NARROW, (1.0, 0.6), strategy="stays", home="in-time")
+
+
+def test_a_slow_relay_is_met_when_it_can_be_there():
+    hall = Environment("hall", shapely.box(0, 0, 100, 3))
+    spec = RunSpec(
+        environment=inline(hall),
+        strategy="minpos",
+        options={"home": "relays"},
+        robots=tuple(
+            RobotSpec(start=(x, 1.5), drive=DriveSpec(speed_m_s=speed_m_s))
+            for x, speed_m_s in ((1.5, 1.0), (2.5, 0.25))
+        ),
+        base=BaseSpec(x=1.0, y=1.5),
+        radio=RadioSpec(range_m=5.0),
+        stop=StopRule(max_time_s=600.0),
+    )
+    recording = simulate(spec)
+    assert not any("backup" in event.text for event in recording.of(Decided))
+    assert recording.of(PresumedLost) == []
+    assert measure(recording, hall).delivered_coverage > 0.99
+
+
+def test_an_explorer_in_touch_leaves_no_goal_to_meet_its_relay():
+    # The base station says nothing while there is nothing new, and all robots hear it.
+    apartment = environment("apartment")
+    spec = RunSpec(
+        environment=inline(apartment),
+        strategy="minpos",
+        options={"home": "relays"},
+        robots=(RobotSpec(), RobotSpec()),
+        starts="clustered",
+        base=BaseSpec(x=2.5, y=2.0),
+        radio=RadioSpec(range_m=60.0),
+        stop=StopRule(max_time_s=600.0),
+    )
+    recording = simulate(spec)
+    assert recording.footer.outcome == "complete"
+    texts = [event.text for event in recording.of(Decided) if event.robot == 0]
+    assert not any(text.startswith("goes to meet its partner") for text in texts)
+
+
+def test_a_silent_robot_that_has_moved_is_sought_again():
+    # A corridor between a room with the base station and its dead end; robot 1 follows robot 0.
+    hall = Environment("hall", shapely.union(shapely.box(0, 0, 4, 5), shapely.box(4, 2, 40, 3)))
+    spec = RunSpec(
+        environment=inline(hall),
+        strategy="gain",
+        options={"home": "in-time"},
+        robots=tuple(
+            RobotSpec(
+                start=(x, 2.5),
+                drive=DriveSpec(speed_m_s=speed_m_s),
+                range_finder=RangeFinderSpec(range_m=2.0),
+            )
+            for x, speed_m_s in ((7.5, 0.5), (5.5, 0.3))
+        ),
+        base=BaseSpec(x=0.5, y=2.5),
+        radio=RadioSpec(range_m=9.0),
+        faults=(Silence(robot=1, time_s=0.0, duration_s=200.0),),
+        stop=StopRule(max_time_s=900.0),
+        seed=1,
+    )
+    recording = simulate(spec)
+    assert recording.footer.outcome == "complete"
+    assert measure(recording, hall).delivered_coverage > 0.99

@@ -221,6 +221,24 @@ def test_a_teams_living_robots_bring_home_what_they_know():
     assert own <= delivered
 
 
+def test_after_a_delivery_it_goes_on_where_it_was():
+    # The base station is in the middle: the root of the tree, at the left end, is out of the way.
+    hall = Environment("hall", shapely.box(0, 0, 80, 2))
+    spec = replace(
+        spec_of((1.0, 1.0), limit_s=2000.0, radio_m=12.0, home="worth"),
+        environment=inline(hall),
+        base=BaseSpec(x=30.0, y=1.0),
+    )
+    recording = simulate(spec)
+    assert recording.footer.outcome == "complete"
+    [first_s, *_] = [time_s for time_s, text in told(recording) if "less than" in text]
+    [end] = recording.of(Ended)
+    # A third of the hall is left to explore when it has delivered for the first time.
+    back = [e.time_s for e in recording.of(Decision) if e.choice == "parent"]
+    assert not any(first_s < time_s < end.time_s - 200.0 for time_s in back)
+    assert end.time_s < 700.0
+
+
 def test_a_way_home_that_is_barred_is_tried_again_later(monkeypatch):
     barred_s = []
 

@@ -35,6 +35,7 @@ from multisrt.simulation.worlds import inline
 from multisrt.spec import (
     CatalogEnvironment,
     Death,
+    DriveSpec,
     Fault,
     LateStart,
     RadioSpec,
@@ -408,3 +409,20 @@ def test_robots_wait_to_take_over_only_if_they_support_others(events_of, support
     )
     ends = [one.time_s for one in events_of(explore(spec), Ended)]
     assert (max(ends) > 3000.0) == support
+
+
+def test_a_car_that_finds_no_motion_from_its_start_is_not_complete():
+    car = RobotSpec(footprint="box:0.5x0.3", drive=DriveSpec(kind="dubins", turning_radius_m=0.5))
+    apartment = environment("apartment")
+    spec = RunSpec(
+        environment=inline(apartment),
+        strategy="srt-radial",
+        robots=(car,),
+        starts="clustered",
+        stop=StopRule(max_time_s=1000.0),
+    )
+    recording = simulate(spec)
+    [end] = recording.of(Ended)
+    assert not end.complete
+    assert end.reason.startswith("boxed in at the start")
+    assert measure(recording, apartment).coverage < 0.1

@@ -42,8 +42,16 @@ def test_support_begins_at_the_root_or_at_the_nearest_open_node(option, open_nod
     assert entry(robot_with(option, *open_nodes), ROOT) == node
 
 
-def robot_that_heard(heard_s: dict[int, float], *, in_contact: bool) -> Any:
-    """Return a robot with a limited radio at 100 s; robots 0 and 2 work on the tree of robot 0."""
+def robot_that_heard(
+    heard_s: dict[int, float], *, in_contact: bool = False, ended: bool = False
+) -> Any:
+    """Return a robot with a limited radio at 100 s; robots 0 and 2 work on the tree of robot 0.
+
+    Robot 0 may have ended.
+    """
+    states = {number: SimpleNamespace(tree=ROOT, phase="moving") for number in (0, 2)}
+    if ended:
+        states[0] = SimpleNamespace(tree=None, phase="idle")
     return SimpleNamespace(
         options=SimpleNamespace(
             support_m=1.0,
@@ -57,7 +65,7 @@ def robot_that_heard(heard_s: dict[int, float], *, in_contact: bool) -> Any:
             roster=SimpleNamespace(
                 lost=set(),
                 heard_s=heard_s,
-                states={number: SimpleNamespace(tree=ROOT) for number in (0, 2)},
+                states=states,
             )
         ),
     )
@@ -79,6 +87,20 @@ def test_with_a_limited_radio_robots_in_contact_support_one_another_if_asked_to(
     robot = robot_that_heard(heard_s, in_contact=in_contact)
     assert may_need_support(robot, ROOT, open_m=2.0, active=2) is needs
     assert not may_need_support(robot, ROOT, open_m=1.9, active=2)
+
+
+@pytest.mark.parametrize(
+    ("heard_s", "ended", "needs"),
+    [
+        ({0: 60.0, 2: -30.0}, True, True),
+        ({0: 60.0, 2: -30.0}, False, False),
+        ({0: 80.0, 2: -30.0}, True, False),  # it may be at home for a moment
+        ({0: 60.0, 2: 60.0}, True, False),
+    ],
+)
+def test_the_tree_of_an_owner_that_has_ended_is_free(heard_s, ended, needs):
+    robot = robot_that_heard(heard_s, ended=ended)
+    assert may_need_support(robot, ROOT, open_m=2.0, active=0) is needs
 
 
 def test_a_robot_that_is_boxed_in_while_it_gives_way_says_that_it_stands(monkeypatch):

@@ -16,7 +16,7 @@ from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.numerics.boxes import all_below
 from multisrt.geometry.numerics.kernel import FloatArray, kernel
 from multisrt.planners.motion.body import PlanningBody
-from multisrt.planners.motion.kinematics import Car, Kinematics
+from multisrt.planners.motion.kinematics import Car, Differential, Holonomic, Kinematics
 from multisrt.planners.motion.steering import reach, steer
 from multisrt.planners.motion.trajectory import Trajectory
 
@@ -157,7 +157,7 @@ def follow(
 
 def _joined_ahead(
     body: PlanningBody,
-    kinematics: Kinematics,
+    kinematics: Holonomic | Differential,
     boundary: FloatArray,
     at: Configuration,
     corners: FloatArray,

@@ -23,7 +23,8 @@ def bringing_home(robot: SrtRobot, task: Callable[[bool], Steps], tree: NodeId |
     robot : SrtRobot
         The robot.
     task : callable
-        Returns the steps of the task, from wherever the robot is; takes whether it was begun before.
+        Returns the steps of the task, from wherever the robot is, given whether it was begun
+        before.
     tree : NodeId or None
         Root of the tree that it extends then; see `Whereabouts.tree`.
 

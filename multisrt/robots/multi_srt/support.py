@@ -341,8 +341,8 @@ def _last_extended_s(robot: SrtRobot, root: NodeId) -> float:
 
 
 def _take_over_s(robot: SrtRobot, root: NodeId) -> float:
-    # With a limited radio: when a tree is free to be taken over from those that work on it. An owner
-    # that stands idle and is in no tree has ended, unless it is heard again soon.
+    # With a limited radio: when a tree is free to be taken over from those that work on it. An
+    # owner that stands idle and is in no tree has ended, unless it is heard again soon.
     roster, patience_s = robot.team.roster, robot.options.check_period_s
     times = []
     for number in _at_work(robot, root):

@@ -240,7 +240,7 @@ def test_after_a_delivery_it_goes_on_where_it_was():
 
 
 def test_a_way_home_that_is_barred_is_tried_again_later(monkeypatch):
-    barred_s = []
+    barred_s: list[float] = []
 
     def stopped(robot, choose):
         if len(barred_s) == 3:

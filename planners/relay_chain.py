@@ -1,9 +1,11 @@
 """Places of relays that link the place to which a robot goes with the base station.
 
 The relays stand on the path from the base station to that place. Each stands at the last place of
-the path that is certain to be linked with the one before, until the end of the path is linked. The
-greedy placement uses the fewest relays if links reach up to a fixed distance along the path. If the
-path is extended, its first relays stay where they are, so that they stand while the front advances.
+the path that is certain to be linked with the one before, until the end of the path is linked; if
+there is one shortly before where others can pass it, and the relays suffice, it stands there. The
+greedy placement at last places uses the fewest relays if links reach up to a fixed distance along
+the path. If the path is extended, its first relays stay where they are, so that they stand while
+the front advances.
 
 Source: M. N. Rooker and A. Birk, Multi-robot exploration under the constraints of wireless
 networking, Control Engineering Practice 15 (2007), where robots go to frontiers only together with
@@ -26,6 +28,12 @@ Place = tuple[float, float]
 Linked = Callable[[FloatArray, Place], BoolArray]
 """Returns which of some places ``(n, 2)`` are certain to be linked with a place."""
 
+Roomy = Callable[[FloatArray], BoolArray]
+"""Returns at which of some places ``(n, 2)`` a robot that stands there can be passed."""
+
+BACK_M = 3.0
+"""Maximum distance in metres along the path by which a relay stands nearer for the sake of room."""
+
 NEAR_PATH_M = 1.0
 """Maximum distance in metres between the path and a relay that keeps its place."""
 
@@ -39,6 +47,7 @@ def relay_places(
     kept: Sequence[Place] = (),
     clear_of: Place | None = None,
     clear_m: float = 0.0,
+    roomy: Roomy | None = None,
 ) -> tuple[Place, ...] | None:
     """Return the places of relays that link the end of a path with the base station.
 
@@ -59,6 +68,9 @@ def relay_places(
         Present place of the front in metres.
     clear_m : float
         Distance in metres that new relays keep from the front, if possible.
+    roomy : callable, optional
+        Returns where relays can be passed: new ones stand there, if such a place is near and the
+        relays suffice.
 
     Returns
     -------
@@ -79,11 +91,12 @@ def relay_places(
     >>> relay_places(path[:10], (0.0, 0.0), linked, max_relays=2)
     ()
     """
-    if kept:
-        found = _placed(path, base, linked, max_relays, kept, clear_of, clear_m)
-        if found is not None:
-            return found
-    return _placed(path, base, linked, max_relays, (), clear_of, clear_m)
+    for passable in (roomy, None) if roomy is not None else (None,):
+        for staying in (kept, ()) if kept else ((),):
+            found = _placed(path, base, linked, max_relays, staying, clear_of, clear_m, passable)
+            if found is not None:
+                return found
+    return None
 
 
 def _placed(
@@ -94,6 +107,7 @@ def _placed(
     kept: Sequence[Place],
     clear_of: Place | None,
     clear_m: float,
+    roomy: Roomy | None,
 ) -> tuple[Place, ...] | None:
     at, first, places = base, 0, list[Place]()
     while True:
@@ -106,6 +120,8 @@ def _placed(
         if len(places) < len(kept):
             following = _kept(path, at, linked, kept[len(places)], first)
         if following is None:
+            if roomy is not None:
+                ahead = _up_to_room(path[first:], ahead, roomy, is_first=not places)
             following = _farthest(path, ahead, first, clear_of, clear_m, is_first=not places)
         if following is None:
             return None
@@ -122,6 +138,21 @@ def _kept(
     if nearest == 0 or away[nearest] > NEAR_PATH_M or not linked(np.array([place]), at)[0]:
         return None
     return place, first + nearest
+
+
+def _up_to_room(path: FloatArray, ahead: BoolArray, roomy: Roomy, *, is_first: bool) -> BoolArray:
+    """Return the linked places up to the last with room among those near the last of all."""
+    usable = np.flatnonzero(ahead)
+    usable = usable[usable >= (0 if is_first else 1)]
+    if not len(usable):
+        return ahead
+    usable = usable[(usable[-1] - usable) * _spacing(path) <= BACK_M]
+    good = usable[roomy(path[usable])]
+    if not len(good):
+        return ahead
+    kept = ahead.copy()
+    kept[int(good[-1]) + 1 :] = False
+    return kept
 
 
 def _farthest(

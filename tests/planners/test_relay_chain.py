@@ -79,3 +79,24 @@ def test_new_relays_stand_before_the_front():
 
 def test_a_path_that_the_base_station_does_not_hear_has_no_chain():
     assert relay_places(line(20)[12:], (0.0, 0.0), within(9.0), max_relays=9) is None
+
+
+def test_relays_stand_where_others_can_pass_if_there_is_such_a_place_near():
+    path = np.column_stack([np.arange(0.0, 30.5, 0.5), np.zeros(61)])
+
+    def linked(places, at):
+        return np.hypot(*(places - at).T) <= 9.0
+
+    def roomy(places):
+        # Doors at 8 to 10 m and at 15 to 20 m, the latter too long to stand before it.
+        x = places[:, 0]
+        return ~(((x > 7.5) & (x < 10.5)) | ((x > 12.5) & (x < 20.5)))
+
+    places = relay_places(path, (0.0, 0.0), linked, max_relays=9, roomy=roomy)
+    assert places == ((7.5, 0.0), (16.5, 0.0), (25.5, 0.0))
+    # With three relays they have to stand at the last places.
+    path = path[:57]
+    assert relay_places(path, (0.0, 0.0), linked, max_relays=3, roomy=roomy) is not None
+    path = np.column_stack([np.arange(0.0, 36.5, 0.5), np.zeros(73)])
+    places = relay_places(path, (0.0, 0.0), linked, max_relays=3, roomy=roomy)
+    assert places == ((9.0, 0.0), (18.0, 0.0), (27.0, 0.0))

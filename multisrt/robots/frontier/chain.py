@@ -48,6 +48,10 @@ IN_PLACE_M = 1.0
 CLEAR_M = 1.5
 """Minimum distance in metres of new relays from the front, where possible."""
 
+ROOM_M = 0.8
+ROOM_SHARE = 0.55
+"""Around a relay that can be passed, in metres, and the share of it that is passable at least."""
+
 MAX_LATE = 3
 """Number of times a robot was late after which it is not called any more."""
 
@@ -218,6 +222,7 @@ class Chain:
                 kept=kept,
                 clear_of=self._course.at[:2],
                 clear_m=CLEAR_M,
+                roomy=self._have_room,
             )
         if places is not None:
             return places
@@ -225,6 +230,13 @@ class Chain:
             if self.linked(np.array([place]), anchor)[0]:
                 return tuple(kept[:count])
         return () if path is None else None
+
+    def _have_room(self, places: FloatArray) -> BoolArray:
+        """Return at which places, ``(n, 2)``, a relay leaves room for others to pass."""
+        raster, whole = self._map.raster, math.pi * (ROOM_M / self._map.raster.cell_m) ** 2
+        around = [raster.passable_centres(x, y, ROOM_M) - (x, y) for x, y in places.tolist()]
+        cells = [np.count_nonzero(np.hypot(*near.T) <= ROOM_M) for near in around]
+        return np.array(cells) > ROOM_SHARE * whole
 
     def linked(self, places: FloatArray, at: Place) -> BoolArray:
         """Return which places are certain to be linked with a place, ``(n,)``.

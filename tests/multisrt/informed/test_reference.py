@@ -17,6 +17,7 @@ from multisrt.simulation.simulate import simulate
 from multisrt.simulation.worlds import inline
 from multisrt.spec import RobotSpec, RunSpec
 
+DRIVEN: dict[str, object] = {}
 HALL = Environment("hall", box(0.0, 0.0, 12.0, 3.0))
 
 
@@ -28,12 +29,14 @@ def folder(tmp_path, monkeypatch):
 
 @pytest.fixture
 def plans(monkeypatch):
-    """How often a plan was driven."""
+    """How often a plan was driven; equal plans are made once for all tests."""
     made = []
 
     def driven(*given):
         made.append(given)
-        return real(*given)
+        if str(given) not in DRIVEN:
+            DRIVEN[str(given)] = real(*given)
+        return DRIVEN[str(given)]
 
     real = reference._driven
     monkeypatch.setattr(reference, "_driven", driven)

@@ -186,7 +186,7 @@ class Team(Listener):
         return self._is_recent(self.base_heard_s)
 
     @property
-    def is_linked(self) -> bool:
+    def awaits_nothing(self) -> bool:
         """Whether the robot is in touch, or carries only nodes that may yet be acknowledged.
 
         A base station that has nothing new to acknowledge is not heard for a long time.
@@ -390,7 +390,7 @@ class Team(Listener):
         # Before the time, it stops its explorer only for their first agreement, and for data that
         # is not delivered as it is.
         radio = self._me.radio
-        is_linked = (radio.multi_hop or radio.reaches_all) and self.is_linked
+        is_linked = (radio.multi_hop or radio.reaches_all) and self.is_in_touch
         has_news = not is_linked and counts_beyond(report.have, self.base_has)
         if (has_news or pair.is_due(now_s)) and pair.take_ready_turn(now_s, self.period_s):
             ready = ReadyMessage(sender=self.number, number=pair.rendezvous.number)
@@ -398,7 +398,7 @@ class Team(Listener):
 
     def _take_ready(self, pair: Pair) -> None:
         """Meet the relay, which is here; not before the time if the base station hears all."""
-        is_heard = self.is_linked and not self.carries
+        is_heard = self.is_in_touch and not self.carries
         is_early = pair.is_paired and not pair.is_due(self._course.time_s)
         if pair.may_meet and not (is_heard and is_early):
             self.requests.meet = True

@@ -55,10 +55,7 @@ def data_is_returned(run: JudgedRun) -> Violation | None:
 
     Cost: an overlay for each such robot that has not delivered all nodes.
     """
-    spec = run.recording.spec
-    if run.family == "other" or spec.base is None or run.options["home"] == "never":
-        return None
-    if any(isinstance(fault, Silence) for fault in spec.faults) or _may_be_unheard(run):
+    if not _is_surely_heard(run):
         return None
     delivered = {
         (robot, serial) for event in run.recording.of(BaseLearned) for robot, serial in event.nodes
@@ -100,12 +97,11 @@ def turns_back_in_time(run: JudgedRun) -> Violation | None:
     Cost: negligible.
     """
     spec, options = run.recording.spec, run.options
-    if run.family != "frontier" or spec.base is None or len(run.robots) > 1:
+    if not _is_surely_heard(run) or run.family != "frontier" or len(run.robots) > 1:
         return None
-    if options["home"] not in ("in-time", "worth") or _may_be_unheard(run):
+    if options["home"] not in ("in-time", "worth"):
         return None
-    if any(isinstance(fault, Silence) for fault in spec.faults):
-        return None
+    assert spec.base is not None
     learned_s = {
         (robot, serial): event.time_s
         for event in run.recording.of(BaseLearned)
@@ -158,6 +154,14 @@ def ends_at_home(run: JudgedRun) -> Violation | None:
         robot=0,
         time_s=end.time_s,
     )
+
+
+def _is_surely_heard(run: JudgedRun) -> bool:
+    # Whether data is to be returned, and the base station certain to hear a robot in reach.
+    spec = run.recording.spec
+    if run.family == "other" or spec.base is None or run.options["home"] == "never":
+        return False
+    return not any(isinstance(fault, Silence) for fault in spec.faults) and not _may_be_unheard(run)
 
 
 def _may_be_unheard(run: JudgedRun) -> bool:

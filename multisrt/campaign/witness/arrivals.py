@@ -78,7 +78,6 @@ class Arrivals:
         self._base = len(spec.robots)
         self._radio = spec.radio
         self._silences = [fault for fault in spec.faults if isinstance(fault, Silence)]
-        self._sending: tuple[int, Message, int | None] | None = None
         self._due: list[list[_Letter]] = [[] for _ in spec.robots]
         # For each robot what it may not have heard.
         self._doubtful: list[set[Hashable]] = [set() for _ in spec.robots]
@@ -86,16 +85,18 @@ class Arrivals:
         self._found: Violation | None = None
         self.last_s = 0.0
 
-    def sends(self, robot: int, message: Message, to: int | None) -> None:
-        """Take what an explorer sends; the recorded event follows."""
-        self._sending = robot, message, to
+    def sent(self, event: Sent, message: Message | None, to: int | None) -> None:
+        """Take the recorded event of a message: whom it reaches.
 
-    def sent(self, event: Sent) -> None:
-        """Take the recorded event of a message: whom it reaches."""
-        message = to = None
-        if self._sending is not None and self._sending[0] == event.robot:
-            _, message, to = self._sending
-        self._sending = None
+        Parameters
+        ----------
+        event : Sent
+            The event.
+        message : Message or None
+            The message; None if the base station sent it.
+        to : int or None
+            The robot that it is for; None for all.
+        """
         for receiver in (*event.reached, *event.lost):
             if to is not None and receiver != to:
                 says = f"a message ({event.kind}) for robot {to} reaches robot {receiver}"

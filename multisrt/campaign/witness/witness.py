@@ -57,7 +57,8 @@ class Witness:
         self._ends = Sample[EndOfMotion](MAX_LOOKS)
         self._scans = Sample[Scanned](MAX_SCANS)
         self._last: dict[int, tuple[float, Action]] = {}
-        self._sends: tuple[int, Message] | None = None
+        # What an explorer sends; the recorded event follows.
+        self._sends: tuple[int, Send] | None = None
         self._blocked_by: dict[int, int] = {}
         self._moving: set[int] = set()
         self._died_s: dict[int, float] = {}
@@ -83,18 +84,16 @@ class Witness:
         if isinstance(last, Receive):
             self._arrivals.timed(robot, begin_s, last, outcome, now_s)
         if isinstance(action, Send):
-            self._sends = robot, action.message
-            self._arrivals.sends(robot, action.message, action.to)
+            self._sends = robot, action
         self._last[robot] = now_s, action
 
     def watch(self, event: Event) -> None:
         """Take an event that is recorded."""
         match event:
             case Sent():
-                sends, self._sends = self._sends, None
-                is_its = sends is not None and sends[0] == event.robot
-                self._news.sent(event, sends[1] if sends is not None and is_its else None)
-                self._arrivals.sent(event)
+                message, to = self._taken(event.robot)
+                self._news.sent(event, message)
+                self._arrivals.sent(event, message, to)
             case Learned():
                 self._news.learned(event)
             case BaseLearned():
@@ -103,6 +102,13 @@ class Witness:
                 self._blocked_by[event.robot] = event.by
             case Died():
                 self._died_s[event.robot] = event.time_s
+
+    def _taken(self, sender: int) -> tuple[Message | None, int | None]:
+        """Return what was sent last, and for whom, if by this sender: not by the base station."""
+        sends, self._sends = self._sends, None
+        if sends is None or sends[0] != sender:
+            return None, None
+        return sends[1].message, sends[1].to
 
     def violations(self, run: JudgedRun) -> Iterator[Violation]:
         """Yield the first violation of each invariant in a run that has ended."""

@@ -265,7 +265,7 @@ class FrontierHoming:
     def _is_due(self, course: Course) -> bool:
         """Return whether an explorer has to set out now to meet its relay in time."""
         now_s = course.time_s
-        if now_s < self._not_due_s or (self._team.awaits_nothing and self.hears_partner()):
+        if now_s < self._not_due_s or (self._team.has_nothing_overdue and self.hears_partner()):
             return False
         length_m = self._home_paths.length_between(course.at[:2], self.pair.target())
         travel_s = self.time.travel_time_s(length_m)

@@ -186,8 +186,8 @@ class Team(Listener):
         return self._is_recent(self.base_heard_s)
 
     @property
-    def awaits_nothing(self) -> bool:
-        """Whether the robot is in touch, or carries only nodes that may yet be acknowledged.
+    def has_nothing_overdue(self) -> bool:
+        """Whether the robot is in touch, or carries only nodes that may still be acknowledged.
 
         A base station that has nothing new to acknowledge is not heard for a long time.
         """

@@ -194,14 +194,18 @@ def page(campaigns: Sequence[Campaign]) -> str:
     every = united([totals for found in by_strategy.values() for totals in found])
     rows = [_told(f"`{name}`", united(found)) for name, found in sorted(by_strategy.items())]
     programs = len({campaign.program for campaign in campaigns})
-    failed = "In none of them" if not every.failed else f"In {every.failed:,} of them"
+    found = found_before()
+    of_program = [said for said in found if not said.startswith(OF_CHECKS)]
+    of_checks = [said.removeprefix(OF_CHECKS) for said in found if said.startswith(OF_CHECKS)]
+    failed = "none of them" if not every.failed else f"{every.failed:,} of them"
     made = counted(every.missions, "mission")
     parts = (
         "# Results of campaigns",
         f"[Campaigns](../campaign.md) executed {made}, drawn from all worlds, teams, radios, "
-        f"faults, strategies and options. {failed} an invariant was violated. "
+        f"faults, strategies and options. In {failed} a check reported a violation; some of these "
+        "reports were [errors of the checks](#what-was-found). "
         f"{further(every.repeated, every.refused)}. A repeated mission fails unless its recording "
-        "is identical, byte for byte.",
+        f"is identical, byte for byte. {_of_the_last(campaigns)}",
         markdown_table(COLUMNS, [*rows, _told("all", every)]),
         "- *Complete*: no robot left frontier that it could reach. Robots without room beside "
         "their start end at once, and so does `informed` where all is in sight from there; both "
@@ -210,29 +214,47 @@ def page(campaigns: Sequence[Campaign]) -> str:
         "could not agree, or returned home in time. *Not confirmed*: stalled runs in which, "
         "according to an oracle that knows the map, a robot had a free path or waited for longer "
         "than its limits.\n"
-        "- *Out of time*: the randomly drawn time limit was shorter than the exploration. Where it "
-        "is longer than the sum of the limits of all waits, it is checked that no robot stood "
-        "still for longer than that.\n"
-        "- *Failed*: missions in which an invariant was violated. They are in the column of their "
-        "outcome, too, unless the run raised an error, hung, or could not be drawn (*not drawn*).\n"
+        "- *Out of time*: the randomly drawn time limit ended the run. Where it is longer than the "
+        "sum of the limits of all waits, it is checked that no robot stood still for longer than "
+        "that.\n"
+        "- *Failed*: missions in which a check reported a violation. They are in the column of "
+        "their outcome, too, unless the run raised an error, hung, or could not be drawn (*not "
+        "drawn*).\n"
         "- *Most events*: the largest number of events in a recording. *Slowest*: the elapsed time "
         "of a run and its checks, on a machine with other load.",
         "## The campaigns",
-        f"Executed by {counted(programs, 'version')} of the program. When a defect is found, it is "
-        "fixed and a new campaign is started.",
+        f"{counted(len(campaigns), 'campaign')} by {counted(programs, 'version')} of the program, "
+        "in the order in which they were executed; *program* is the digest of its source. When a "
+        "defect is found, it is fixed and a new campaign is started, so the sum of the failures is "
+        "not the failure rate of the present version. Campaigns with other seeds, by versions "
+        "that were still being worked on, are not counted.",
         markdown_table(("program", "seed", "missions", "failed"), map(_of_campaign, campaigns)),
         "## What was found",
-        "Defects that were found during the development of this package, by campaigns and by "
-        "experiments. Each of these runs violated an invariant and is now a test.",
-        _listed(said for said in found_before() if not said.startswith(OF_CHECKS)),
+        f"{counted(len(of_program), 'defect')} of the program, and below them "
+        f"{len(of_checks)} of the checks, found by campaigns and by experiments. Several failures "
+        "may have one cause. The run that showed each is now a test.",
+        _listed(of_program),
         "Defects of the checks, which reported runs that were correct:",
-        _listed(
-            said.removeprefix(OF_CHECKS) for said in found_before() if said.startswith(OF_CHECKS)
-        ),
+        _listed(of_checks),
         "`python -m benchmarks.campaigns add FILE` adds the missions in a file written by "
         "`multisrt campaign run`; `python -m benchmarks.campaigns page` writes this page.",
     )
     return "\n\n".join(parts) + "\n"
+
+
+def _of_the_last(campaigns: Sequence[Campaign]) -> str:
+    """Return what the latest version came to, with a bound on how often it fails."""
+    last = [one for one in campaigns if one.program == campaigns[-1].program]
+    whole = united([totals for one in last for totals in one.strategies.values()])
+    by_it = f"The latest version executed {counted(whole.missions, 'mission')}"
+    if whole.failed:
+        return f"{by_it}, of which {whole.failed:,} failed."
+    # None of n fails with a probability of (1 - p)^n.
+    bound = 1.0 - 0.05 ** (1.0 / whole.missions)
+    return (
+        f"{by_it}, none of which failed: with a confidence of 95 %, fewer than one in "
+        f"{1.0 / bound:,.0f} fails."
+    )
 
 
 def _listed(said: Iterable[str]) -> str:

@@ -95,11 +95,12 @@ def page(results: pd.DataFrame, experiment: str) -> list[str]:
         f"Made with `multisrt experiment run examples/{experiment}.toml` and "
         f"`python -m benchmarks.robustness {experiment} {experiment}.sqlite`.",
         "",
-        f"{len(results):,} runs in {', '.join(sorted(results['environment'].unique()))}, with "
-        "faults of their own each. Half of the teams start together, with walls that block the "
+        f"{len(results):,} runs in {', '.join(sorted(results['environment'].unique()))}, each "
+        "with its own faults. Half of the teams start together, with walls that block the "
         "radio; the others start apart, with a radio that loses one message in three and delays "
         "the others by up to two seconds. Coverage is a share of what the whole team could have "
-        f"seen; a robot that is shut in behind a dead one covers little and says so.{delivered}",
+        f"seen; a robot that is shut in behind a dead one covers little, and reports this."
+        f"{delivered}",
         "",
         markdown_table(columns, ([row[name] for name in columns] for row in summaries)),
         "",

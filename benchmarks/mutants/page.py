@@ -72,10 +72,10 @@ def page(findings: Mapping[str, Finding], seed: int) -> str:
     said = f"Campaigns found {len(numbers)} of {len(MUTANTS)} defects"
     if numbers:
         within = sum(number <= 100 for number in numbers)
-        all_or_some = "all of them" if within == len(numbers) else f"{within} of them"
+        each_or_some = "each" if within == len(numbers) else f"{within} of them"
         said += (
-            f", {all_or_some} within 100 missions; the median is "
-            f"{statistics.median(numbers):g}, the largest number {numbers[-1]}"
+            f", {each_or_some} within 100 missions (median {statistics.median(numbers):g}, maximum "
+            f"{numbers[-1]})"
         )
     control = findings.get(CONTROL)
     if control is not None:
@@ -95,9 +95,9 @@ def page(findings: Mapping[str, Finding], seed: int) -> str:
             "",
             f"{said}.",
             "",
-            "*missions* is how many it took, *found by* names all invariants that the mission "
-            "violated. Times are those of one process on a machine that was "
-            f"busy with other things, and include its start.{_programs(findings)}",
+            "*missions*: how many were executed until the first failure; *found by*: all "
+            "invariants that this mission violated. Times are those of one process on a machine "
+            f"that was busy with other things, and include its start.{_programs(findings)}",
             "",
             markdown_table(COLUMNS, rows_of((*MUTANTS, CONTROL), findings)),
             "",

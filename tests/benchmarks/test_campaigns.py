@@ -41,7 +41,7 @@ def test_campaigns_are_added_once_each(files, tmp_path):
 def test_the_page_adds_up_what_they_came_to(files):
     text = page([campaign_of(file) for file in files])
     assert "executed 6 missions" in text
-    assert "In 1 of them an invariant was violated" in text
+    assert "In 1 of them a check reported a violation" in text
     assert "| all | 6 | 5 | 1 | 1 | 0 | 1 | 42 | 0 |" in text
     assert "0 were repeated in another process; 6 draws were impossible and drawn again." in text
     assert "- A car that cannot reverse was boxed in while driving" in text

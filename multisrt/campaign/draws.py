@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache, lru_cache
-from typing import Final, NamedTuple
+from typing import Final, NamedTuple, get_args
 
 from multisrt.campaign.chance import Chance
 from multisrt.campaign.options import draw_options
@@ -17,6 +17,7 @@ from multisrt.campaign.teams import draw_base, draw_faults, draw_radio, draw_rob
 from multisrt.campaign.worlds import POOL, world, world_of
 from multisrt.environments.environment import Environment
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.planners.home_options import Home
 from multisrt.robots.defects import ExplorerDefect
 from multisrt.robots.registry import is_built_in, strategies, strategy
 from multisrt.simulation.setting_up import SetUp, set_up
@@ -46,7 +47,7 @@ MAX_PLANNED_VIEWS: Final = 25.0
 """Bound of robots times area, in squares of the shortest range, for strategies that plan on the
 true map: their plans take longer than all else."""
 
-HOMES: Final = ("never", "in-time", "worth", "relays", "chain")
+HOMES: Final = get_args(Home)
 
 STARTS: Final[dict[PlacedHow, float]] = {
     "clustered": 0.4,
@@ -57,7 +58,7 @@ STARTS: Final[dict[PlacedHow, float]] = {
 """How teams are placed, with weights."""
 
 
-Trying = Callable[[RunSpec | None, int], None]
+OnDraw = Callable[[RunSpec | None, int], None]
 """Is told a run that is set up next, None if it is drawn next, and the number of draws before."""
 
 
@@ -105,14 +106,14 @@ def draw(seed: int, number: int) -> RunSpec:
     return drawn(seed, number).spec
 
 
-def drawn(seed: int, number: int, trying: Trying | None = None) -> Drawn:
+def drawn(seed: int, number: int, on_draw: OnDraw | None = None) -> Drawn:
     """Return a mission of a campaign with its world; see `draw`.
 
     Parameters
     ----------
     seed, number : int
         As for `draw`.
-    trying : callable, optional
+    on_draw : callable, optional
         Called before every draw, and again with the run before it is set up: so it is known what
         takes a process down.
 
@@ -127,15 +128,15 @@ def drawn(seed: int, number: int, trying: Trying | None = None) -> Drawn:
         If no draw of many is possible.
     """
     for refused in range(MAX_ATTEMPTS):
-        if trying is not None:
-            trying(None, refused)
+        if on_draw is not None:
+            on_draw(None, refused)
         try:
             spec = candidate(seed, number, refused)
             environment = world_of(spec.environment)
         except InvalidInputError:
             continue
-        if trying is not None:
-            trying(spec, refused)
+        if on_draw is not None:
+            on_draw(spec, refused)
         try:
             return Drawn(spec, environment, set_up(spec, environment), refused)
         except Exception as error:  # whatever else it is, running the spec raises it again

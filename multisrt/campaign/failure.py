@@ -1,4 +1,4 @@
-"""What is left of a failure: a folder with its spec, its recording, a replay, and what broke."""
+"""The folder of a failure: its spec, recording, replay and violation."""
 
 from __future__ import annotations
 

@@ -39,7 +39,7 @@ class Judge(msgspec.Struct, frozen=True, kw_only=True, tag="judge"):
 Job = Make | Judge
 
 
-class Trying(msgspec.Struct, frozen=True, kw_only=True, tag="trying"):
+class Attempt(msgspec.Struct, frozen=True, kw_only=True, tag="attempt"):
     """Message ahead of the answer to `Make`, before each draw and before each set-up.
 
     Attributes
@@ -70,5 +70,5 @@ class Answer(msgspec.Struct, frozen=True, kw_only=True, tag="verdict"):
     unwritten: str = ""
 
 
-ANSWERS = msgspec.json.Decoder(Trying | Answer)
+ANSWERS = msgspec.json.Decoder(Attempt | Answer)
 """Decodes a line that a process wrote."""

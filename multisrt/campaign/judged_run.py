@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Callable, Hashable, Iterable, Mapping
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any, Final, TypeVar
 
 import msgspec
@@ -20,11 +20,16 @@ from multisrt.campaign.lasers import finds_all
 from multisrt.campaign.tracks import Track, tracks
 from multisrt.environments.environment import Environment
 from multisrt.events import Died, Ended, Joined, Learned, NodeAdded, NodeName
+from multisrt.planners.srt_options import SrtOptions
 from multisrt.recording import Recording
+from multisrt.robots.frontier.options import FrontierOptions
 from multisrt.robots.registry import strategy
-from multisrt.spec import LateStart
+from multisrt.spec import Fault, LateStart, Silence
 
 T = TypeVar("T")
+
+Interval = tuple[float, float]
+"""Begin and end, in seconds."""
 
 ROUNDING_S: Final = 1e-6
 """Times that differ by less are equal, in seconds."""
@@ -58,7 +63,7 @@ class Walls:
         return inner
 
 
-@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class JudgedRun:
     """A run to be judged.
 
@@ -103,16 +108,16 @@ class JudgedRun:
     def family(self) -> str:
         """``srt`` for Multi-SRT, ``frontier`` for bidding, ``other`` for all else."""
         name = self.recording.spec.strategy
-        if name.startswith("srt-"):
+        if ":" in name:  # of a user, whose rules are not known
+            return "other"
+        options = strategy(name).options
+        if issubclass(options, SrtOptions):
             return "srt"
-        return "other" if name == "informed" or ":" in name else "frontier"
+        return "frontier" if issubclass(options, FrontierOptions) else "other"
 
-    @property
+    @cached_property
     def options(self) -> Mapping[str, Any]:
         """The options of the strategy, with their defaults."""
-        return self.once("options", self._options)
-
-    def _options(self) -> Mapping[str, Any]:
         spec = self.recording.spec
         given = msgspec.convert(spec.options, strategy(spec.strategy).options, strict=False)
         return msgspec.structs.asdict(given)
@@ -123,25 +128,36 @@ class JudgedRun:
         return walls_of(self.environment)
 
     @property
+    def returns_data(self) -> bool:
+        """Whether robots are to go home, so that the base station learns what they know."""
+        home = self.options.get("home", "never")
+        return self.recording.spec.base is not None and home != "never"
+
+    @cached_property
     def beams_find_all(self) -> bool:
         """Whether the range finders of all robots find all obstacles; True for exact sensors."""
-        return self.once("lasers", lambda: finds_all(self.recording.spec, self.environment))
+        return finds_all(self.recording.spec, self.environment)
 
-    @property
+    @cached_property
     def bodies(self) -> list[Body]:
         """The body of each robot."""
-        return self.once("bodies", lambda: bodies_of(self.recording.spec))
+        return bodies_of(self.recording.spec)
 
-    @property
+    @cached_property
     def tracks(self) -> list[Track]:
         """The track of each robot."""
-        return self.once("tracks", lambda: tracks(self.recording))
+        return tracks(self.recording)
 
-    def present_s(self, robot: int) -> tuple[float, float]:
+    def named(self, member: int) -> str:
+        """Return what a robot, or the base station, whose number follows, is called."""
+        return "the base station" if member == len(self.robots) else f"robot {member}"
+
+    def present_s(self, robot: int) -> Interval:
         """Return from when to when a robot takes part: it is on, and not dead."""
-        return self.once("present", self._present_s)[robot]
+        return self._present_s[robot]
 
-    def _present_s(self) -> list[tuple[float, float]]:
+    @cached_property
+    def _present_s(self) -> list[Interval]:
         late = {f.robot for f in self.recording.spec.faults if isinstance(f, LateStart)}
         begins = {joined.robot: joined.time_s for joined in self.recording.of(Joined)}
         ends = {died.robot: died.time_s for died in self.recording.of(Died)}
@@ -150,33 +166,25 @@ class JudgedRun:
             for robot in self.robots
         ]
 
-    @property
+    @cached_property
     def ends(self) -> dict[int, Ended]:
         """The last end of each robot that has ended."""
         return {end.robot: end for end in self.recording.of(Ended)}
 
-    @property
+    @cached_property
     def nodes(self) -> dict[NodeName, NodeAdded]:
         """All nodes by name."""
-        return self.once(
-            "nodes", lambda: {(n.robot, n.serial): n for n in self.recording.of(NodeAdded)}
-        )
+        return {(n.robot, n.serial): n for n in self.recording.of(NodeAdded)}
 
-    @property
+    @cached_property
     def regions(self) -> dict[NodeName, Polygon]:
         """The region of each node."""
-        return self.once("regions", self._regions)
-
-    def _regions(self) -> dict[NodeName, Polygon]:
         region = self.recording.region
         return {name: Polygon(region(node)) for name, node in self.nodes.items()}
 
-    @property
+    @cached_property
     def known(self) -> list[dict[NodeName, float]]:
         """For each robot the nodes that it recorded as known, with the times in seconds."""
-        return self.once("known", self._known)
-
-    def _known(self) -> list[dict[NodeName, float]]:
         known: list[dict[NodeName, float]] = [{} for _ in self.robots]
         for event in self.recording.events:
             match event:
@@ -189,9 +197,13 @@ class JudgedRun:
 
     def component(self, robot: int) -> Polygon:
         """Return the connected part of free space in which a robot starts."""
-        x, y, _ = self.recording.header.starts[robot]
+        return self._components[robot]
+
+    @cached_property
+    def _components(self) -> list[Polygon]:
         parts: list[Polygon] = shapely.get_parts(self.environment.free).tolist()
-        return min(parts, key=lambda part: float(part.distance(shapely.Point(x, y))))
+        starts = [shapely.Point(x, y) for x, y, _ in self.recording.header.starts]
+        return [min(parts, key=lambda part: float(part.distance(at))) for at in starts]
 
     def by_robot(self, *kinds: type) -> dict[int, list[Any]]:
         """Return the events of some kinds of each robot, in the order of the recording."""
@@ -200,6 +212,35 @@ class JudgedRun:
             if isinstance(event, kinds):
                 found[event.robot].append(event)
         return found
+
+
+def silences(faults: Iterable[Fault], robot: int, since_s: float = 0.0) -> list[Interval]:
+    """Return the intervals in which the radio of a robot is to be silent, merged and in order.
+
+    Parameters
+    ----------
+    faults : iterable of Fault
+        The faults of the run.
+    robot : int
+        The robot.
+    since_s : float
+        When it is switched on, in seconds.
+
+    Examples
+    --------
+    >>> faults = [Silence(robot=0, time_s=5.0, duration_s=15.0)]
+    >>> silences([*faults, Silence(robot=0, time_s=0.0, duration_s=10.0)], 0)
+    [(0.0, 20.0)]
+    """
+    found: list[Interval] = []
+    own = [fault for fault in faults if isinstance(fault, Silence) and fault.robot == robot]
+    for fault in sorted(own, key=lambda fault: fault.time_s):
+        begin_s, end_s = max(fault.time_s, since_s), fault.time_s + fault.duration_s
+        if found and begin_s <= found[-1][1]:
+            found[-1] = found[-1][0], max(found[-1][1], end_s)
+        elif begin_s < end_s:
+            found.append((begin_s, end_s))
+    return found
 
 
 @lru_cache(maxsize=8)

@@ -23,7 +23,7 @@ SPACINGS_M: Final = (0.4, 0.2, 0.1, 0.05)
 MAX_BEAMS: Final = 1500
 """Largest number of beams that is drawn."""
 
-MIN_CORNER: Final = math.radians(46.0)
+MIN_CORNER_RAD: Final = math.radians(46.0)
 """Smallest angle of a corner of an obstacle beside which no beam is missed, with some room."""
 
 BORDER_M: Final = 2.0
@@ -36,12 +36,12 @@ SLIVER_M: Final = 0.005
 """Width of parts of obstacles beyond `DETAIL_M` that are rounding errors, in metres."""
 
 
-def spacing_m(range_finder: RangeFinderSpec) -> float:
+def beam_spacing_m(range_finder: RangeFinderSpec) -> float:
     """Return the spacing of neighbouring beams at the range, in metres; 0 for the exact sensor.
 
     Examples
     --------
-    >>> round(spacing_m(RangeFinderSpec(range_m=4.0, beams=360)), 3)
+    >>> round(beam_spacing_m(RangeFinderSpec(range_m=4.0, beams=360)), 3)
     0.07
     """
     if range_finder.beams is None:
@@ -69,7 +69,7 @@ def finds_all(spec: RunSpec, environment: Environment | None = None) -> bool:
     InvalidInputError
         If the world cannot be built.
     """
-    widest_m = max(spacing_m(robot.range_finder) for robot in spec.robots)
+    widest_m = max(beam_spacing_m(robot.range_finder) for robot in spec.robots)
     return widest_m == 0.0 or are_found(environment or world_of(spec.environment), widest_m)
 
 
@@ -103,12 +103,12 @@ def are_found(environment: Environment, spacing_m: float) -> bool:
     half_m = spacing_m / 2.0
     with np.errstate(divide="ignore", invalid="ignore"):  # within GEOS, of degenerate corners
         opened = obstacles.buffer(-half_m, join_style="mitre").buffer(
-            half_m, join_style="mitre", mitre_limit=1.0 / math.sin(MIN_CORNER / 2.0)
+            half_m, join_style="mitre", mitre_limit=1.0 / math.sin(MIN_CORNER_RAD / 2.0)
         )
     thin = obstacles.difference(opened.buffer(DETAIL_M))
     if not thin.buffer(-0.5 * SLIVER_M).is_empty:
         return False
-    return _sharpest(obstacles.simplify(DETAIL_M)) >= MIN_CORNER
+    return _sharpest(obstacles.simplify(DETAIL_M)) >= MIN_CORNER_RAD
 
 
 def _sharpest(obstacles: shapely.geometry.base.BaseGeometry) -> float:

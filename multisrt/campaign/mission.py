@@ -11,7 +11,7 @@ from typing import Final, NamedTuple
 
 import msgspec
 
-from multisrt.campaign.draws import Trying, drawn, is_refusal
+from multisrt.campaign.draws import OnDraw, drawn, is_refusal
 from multisrt.campaign.invariants import JudgedRun, check
 from multisrt.campaign.violations import MAX_LENGTH, Violation, quoted
 from multisrt.campaign.witness import Witness
@@ -38,9 +38,6 @@ MAX_TEXT: Final = 400
 
 OVER_MEMORY: Final = "over_memory"
 """The outcome of a mission that could not allocate what it needs."""
-
-Outcome = str
-"""That of the footer of a recording, or another of a `Verdict` where there is none."""
 
 
 class Verdict(msgspec.Struct, frozen=True, kw_only=True):
@@ -69,7 +66,7 @@ class Verdict(msgspec.Struct, frozen=True, kw_only=True):
         Elapsed time of the run and of the invariants, in seconds.
     """
 
-    outcome: Outcome
+    outcome: str
     violations: tuple[Violation, ...] = ()
     reason: str = ""
     time_s: float = 0.0
@@ -147,12 +144,12 @@ def judge_recorded(spec: RunSpec) -> Judged:
     return _judged(setup, begin_s)
 
 
-def make(seed: int, number: int, trying: Trying | None = None) -> Verdict:
+def make(seed: int, number: int, on_draw: OnDraw | None = None) -> Verdict:
     """Draw a mission of a campaign, and judge it.
 
     Parameters
     ----------
-    seed, number, trying
+    seed, number, on_draw
         As for `multisrt.campaign.draws.drawn`.
 
     Returns
@@ -162,7 +159,7 @@ def make(seed: int, number: int, trying: Trying | None = None) -> Verdict:
     """
     begin_s = time.perf_counter()
     try:
-        mission = drawn(seed, number, trying)
+        mission = drawn(seed, number, on_draw)
     except Exception as error:  # of a generator, as only refusals are drawn again
         return _failed(error, 0, begin_s)
     if mission.setup is None:

@@ -18,7 +18,7 @@ from typing import Final, NamedTuple
 
 import msgspec
 
-from multisrt.campaign.jobs import ANSWERS, Answer, Job, Trying
+from multisrt.campaign.jobs import ANSWERS, Answer, Attempt, Job
 from multisrt.campaign.mission import NO_ERROR, OVER_MEMORY, Verdict
 from multisrt.campaign.violations import Violation
 from multisrt.experiments.import_path import python_command
@@ -51,12 +51,12 @@ class Told(NamedTuple):
     ----------
     verdict : Verdict
         What is judged; of a process that ended or hung, that it did.
-    tried : Trying or None
+    tried : Attempt or None
         The draw that was set up last.
     """
 
     verdict: Verdict
-    tried: Trying | None
+    tried: Attempt | None
 
 
 class MissionProcess:
@@ -132,7 +132,7 @@ class MissionProcess:
     def _ask(self, job: Job, limit_s: float) -> Told:
         popen = self._started()
         assert popen.stdin is not None
-        tried: Trying | None = None
+        tried: Attempt | None = None
         end_s = time.monotonic() + limit_s + (0.0 if self._has_answered else COMPILATION_S)
         try:
             popen.stdin.write(msgspec.json.encode(job) + b"\n")
@@ -181,7 +181,7 @@ class MissionProcess:
                 _kill(self._popen)
         return self._popen
 
-    def _hear(self, popen: subprocess.Popen[bytes], end_s: float) -> Answer | Trying:
+    def _hear(self, popen: subprocess.Popen[bytes], end_s: float) -> Answer | Attempt:
         assert popen.stdout is not None
         while b"\n" not in self._rest:
             left_s = end_s - time.monotonic()
@@ -192,7 +192,7 @@ class MissionProcess:
                 raise BrokenPipeError
             self._rest += piece
         line, _, self._rest = self._rest.partition(b"\n")
-        answer: Answer | Trying = ANSWERS.decode(line)
+        answer: Answer | Attempt = ANSWERS.decode(line)
         return answer
 
     def _place(self, popen: subprocess.Popen[bytes]) -> str:

@@ -20,7 +20,7 @@ from typing import IO
 import msgspec
 
 from multisrt.campaign.failure import RECORDING_NAME, REPLAY_NAME
-from multisrt.campaign.jobs import Answer, Job, Make, Trying
+from multisrt.campaign.jobs import Answer, Attempt, Job, Make
 from multisrt.campaign.mission import judge_recorded, make
 from multisrt.experiments.import_path import extend_path
 from multisrt.experiments.memory import MemoryTrimmer
@@ -55,10 +55,10 @@ def main(arguments: Sequence[str]) -> None:
 def _answer(job: Job, answers: IO[bytes]) -> Answer:
     if isinstance(job, Make):
 
-        def trying(spec: RunSpec | None, refused: int) -> None:
-            write_line(answers, Trying(spec=spec, refused=refused))
+        def on_draw(spec: RunSpec | None, refused: int) -> None:
+            write_line(answers, Attempt(spec=spec, refused=refused))
 
-        return Answer(verdict=make(job.seed, job.number, trying))
+        return Answer(verdict=make(job.seed, job.number, on_draw))
     verdict, recording = judge_recorded(job.spec)
     if job.folder and recording is not None:
         try:

@@ -6,10 +6,9 @@ from collections.abc import Callable
 from typing import Final, NamedTuple
 
 from multisrt.campaign.lasers import finds_all
-from multisrt.campaign.mission import NO_ERROR, Verdict
+from multisrt.campaign.mission import JUDGED, NO_ERROR, Verdict
 from multisrt.campaign.simpler import simplifications
 from multisrt.campaign.violations import Violation
-from multisrt.geometry.errors import InvalidInputError
 from multisrt.spec import RunSpec
 
 MAX_TRIES: Final = 120
@@ -42,8 +41,8 @@ def shrink(
 ) -> Shrunk:
     """Make a failing spec simpler while it fails in the same way.
 
-    Simplifications are tried in their order, and each is kept with which the run still violates the
-    same invariant; then those of the simpler spec are tried, until none is left that is kept.
+    Candidates are tried in order. One is kept if its run violates the same invariant, and its own
+    simplifications are tried next, until none is kept.
     (Zeller and Hildebrandt, Simplifying and isolating failure-inducing input, 2002: the
     greedy form of it, on the parts of a spec instead of the characters of a text.)
 
@@ -97,10 +96,11 @@ def shrink(
 
 
 def _is_sound(spec: RunSpec) -> bool:
-    # Walls that a laser may miss by what is documented are no way to make a collision simpler.
+    # Do not simplify to a world in which beams may miss walls: a collision there is documented
+    # behaviour.
     try:
         return finds_all(spec)
-    except InvalidInputError:
+    except Exception:  # of a generator: a world that cannot be built is no simpler one
         return False
 
 
@@ -127,6 +127,6 @@ def is_alike(one: Violation, other: Violation) -> bool:
     """
     if one.invariant != other.invariant:
         return False
-    if one.invariant != NO_ERROR:
+    if one.invariant not in (NO_ERROR, JUDGED):
         return True
     return one.says.partition(": ")[0] == other.says.partition(": ")[0]

@@ -1,7 +1,8 @@
-"""Simpler specs than one: fewer robots, faults and options, a smaller world, a shorter time."""
+"""Simpler variants of a spec: fewer robots, faults and options, a smaller world, a shorter time."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from itertools import chain
 from typing import Any, Final, TypeVar
@@ -20,7 +21,6 @@ from multisrt.spec import (
     RangeFinderSpec,
     RobotSpec,
     RunSpec,
-    Scalar,
     StopRule,
 )
 from multisrt.spec.environments import EnvironmentSpec
@@ -79,12 +79,12 @@ def _with(spec: RunSpec, **changes: Any) -> Change:
     return lambda: msgspec.structs.replace(spec, **changes)
 
 
-def parts_left(items: Sequence[Item]) -> Iterator[tuple[Item, ...]]:
-    """Yield what is left of some items: none, each half, each quarter ..., all without one.
+def subsets(items: Sequence[Item]) -> Iterator[tuple[Item, ...]]:
+    """Yield subsets of items: none, each half, each quarter and its complement, ..., all but one.
 
     Examples
     --------
-    >>> list(parts_left("ab"))
+    >>> list(subsets("ab"))
     [(), ('a',), ('b',)]
     """
     items = tuple(items)
@@ -109,11 +109,11 @@ def parts_left(items: Sequence[Item]) -> Iterator[tuple[Item, ...]]:
 
 def _times(spec: RunSpec, time_s: float | None) -> Iterator[Change]:
     limit_s = spec.stop.max_time_s
-    wanted = [limit_s / 2.0, 0.8 * limit_s]
+    wanted = [float(f"{share * limit_s:.3g}") for share in (0.5, 0.8)]
     if time_s is not None:
-        wanted.insert(0, time_s + 1.0)
+        wanted.insert(0, math.ceil(time_s + 1.0))
     for shorter_s in wanted:
-        shorter_s = max(MIN_TIME_S, float(f"{shorter_s:.3g}"))
+        shorter_s = max(MIN_TIME_S, shorter_s)
         if shorter_s < limit_s:
             stop = StopRule(max_time_s=shorter_s, max_idle_s=spec.stop.max_idle_s)
             faults = tuple(fault for fault in spec.faults if fault.time_s < shorter_s)
@@ -121,7 +121,7 @@ def _times(spec: RunSpec, time_s: float | None) -> Iterator[Change]:
 
 
 def _teams(spec: RunSpec) -> Iterator[Change]:
-    for kept in parts_left(range(len(spec.robots))):
+    for kept in subsets(range(len(spec.robots))):
         if kept:
             yield _with(spec, **_team_of(spec, kept))
 
@@ -162,8 +162,8 @@ def _simpler_parameters(world: CatalogEnvironment) -> Iterator[CatalogEnvironmen
         if isinstance(value, bool) or not isinstance(value, int | float) or name not in defaults:
             continue
         for smaller in (value / 2, 0.8 * value):
-            shown: Scalar = int(smaller) if isinstance(value, int) else float(f"{smaller:.2g}")
-            if shown != value and smaller >= MIN_PARAMETER:
+            shown = int(smaller) if isinstance(value, int) else float(f"{smaller:.2g}")
+            if shown != value and shown >= MIN_PARAMETER:
                 yield replace(world, parameters=world.parameters | {name: shown})
     for name in world.parameters:
         left = {other: value for other, value in world.parameters.items() if other != name}
@@ -179,7 +179,7 @@ def _simpler_shapes(world: InlineEnvironment) -> Iterator[InlineEnvironment]:
     shapes = [shapely.box(x0, y0, x1, y1), free.convex_hull, free.buffer(0.5).buffer(-0.5)]
     if isinstance(free, shapely.Polygon):
         holes = list(free.interiors)
-        shapes += [shapely.Polygon(free.exterior, left) for left in parts_left(holes)]
+        shapes += [shapely.Polygon(free.exterior, left) for left in subsets(holes)]
     for step_m in (1.0, 0.3, 0.1, 0.03):
         shapes.append(free.simplify(step_m))
         shapes.append(shapely.set_precision(free, step_m))
@@ -197,7 +197,7 @@ def _simpler_shapes(world: InlineEnvironment) -> Iterator[InlineEnvironment]:
 
 
 def _faults(spec: RunSpec) -> Iterator[Change]:
-    for left in parts_left(spec.faults):
+    for left in subsets(spec.faults):
         yield _with(spec, faults=left)
 
 
@@ -221,7 +221,7 @@ def _radios(spec: RunSpec) -> Iterator[Change]:
 
 
 def _options(spec: RunSpec) -> Iterator[Change]:
-    for left in parts_left(list(spec.options)):
+    for left in subsets(list(spec.options)):
         yield _with(spec, options={name: spec.options[name] for name in left})
 
 
@@ -251,7 +251,7 @@ _PLAIN: Final[dict[str, tuple[Any, ...]]] = {
 
 
 def _plainer(robot: RobotSpec, name: str, value: Any) -> RobotSpec:
-    """Return a robot with another value of a field, unless that it has is as plain."""
+    """Return a robot with another value of a field, unless the present one is at least as plain."""
     now, plain = getattr(robot, name), _PLAIN[name]
     if now in plain and plain.index(now) <= plain.index(value):
         return robot

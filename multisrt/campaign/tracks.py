@@ -104,6 +104,11 @@ class Track:
         lasting = np.where(end > begin, end - begin, 1.0)
         return self.on(which, np.clip((times - begin) / lasting, 0.0, 1.0))
 
+    def pose(self, time_s: float) -> tuple[float, float, float]:
+        """Return the pose at a time; the heading is not wrapped."""
+        x, y, heading = self.at(np.array([time_s]))[0].tolist()
+        return x, y, heading
+
     def leg_at(self, times: FloatArray) -> IntArray:
         """Return the last legs that have begun by some times."""
         which = np.searchsorted(self.legs[:, 0], times, side="right") - 1

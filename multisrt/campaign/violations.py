@@ -13,15 +13,15 @@ MAX_QUOTED: Final = 37
 """Maximum length of the reason of a robot that is quoted in it, in characters."""
 
 
-def quoted(text: str, most: int = MAX_QUOTED) -> str:
-    """Return a text shortened to at most `most` characters, with dots at its end.
+def quoted(text: str, max_length: int = MAX_QUOTED) -> str:
+    """Return a text shortened to at most `max_length` characters, with dots at its end.
 
     Examples
     --------
     >>> quoted("boxed in by robots 1, 2, 3, 4, 5 and 6", 20)
     'boxed in by robot...'
     """
-    return text if len(text) <= most else f"{text[: most - 3]}..."
+    return text if len(text) <= max_length else f"{text[: max_length - 3]}..."
 
 
 class Violation(msgspec.Struct, frozen=True, kw_only=True):

@@ -28,6 +28,9 @@ def named_robots(numbers: Iterable[int]) -> str:
     return f"robot{'s' * (len(words) > 1)} {joined(words)}"
 
 
+NO_CHAIN: Final = "no goal is left from which the chain reaches the base station"
+"""Reason of a robot that ends because its chain of relays is too short."""
+
 WALLED_IN: Final = "boxed in at the start, where the scan shows no way for the body"
 """The reason of a robot that ends where it began, as it finds no motion from there."""
 

@@ -33,7 +33,7 @@ from multisrt.simulation.motions import Motions
 from multisrt.simulation.robot import Robot
 from multisrt.simulation.sensing import Sensing
 from multisrt.simulation.setting_up import SetUp
-from multisrt.simulation.standstill import Standstill
+from multisrt.simulation.standstill import WAITS_FOR_EVER, Standstill
 from multisrt.simulation.traffic import Traffic
 
 
@@ -228,7 +228,7 @@ class Simulation:
         waiting = [robot.number for robot in living if robot.state != "done" or robot.end is None]
         if waiting:
             wait = "waits" if len(waiting) == 1 else "wait"
-            return "stalled", f"{named_robots(waiting)} {wait} for a message that never comes"
+            return "stalled", f"{named_robots(waiting)} {wait} {WAITS_FOR_EVER}"
         ends = [robot.end for robot in living if robot.end is not None]
         dead = [robot.number for robot in self.robots if robot.state == "dead"]
         if len({end.reason for end in ends}) == 1 and len(ends) > 1:

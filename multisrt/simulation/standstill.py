@@ -28,6 +28,9 @@ from multisrt.spec import Fault, Silence
 NOTHING_NEW = "no robot moved, sensed or learned anything new"
 """Begin of the reason of a run that ends in this way."""
 
+WAITS_FOR_EVER = "for a message that never comes"
+"""End of the reason of a run in which robots wait, and nothing can come any more."""
+
 STANDS_M = 1e-3
 """A motion that leads no farther is none, in metres and in radians."""
 

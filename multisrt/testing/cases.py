@@ -26,7 +26,7 @@ from multisrt.robots.strategy import Strategy
 from multisrt.simulation.protocol import FROM_ITS_OWN, begin, build
 from multisrt.simulation.random_streams import random_stream
 from multisrt.simulation.simulate import simulate
-from multisrt.simulation.standstill import NOTHING_NEW
+from multisrt.simulation.standstill import NOTHING_NEW, WAITS_FOR_EVER
 from multisrt.spec import RunSpec
 from multisrt.testing.checked_run import CheckedRun
 from multisrt.testing.code_reading import OwnCode, own_code_of
@@ -339,7 +339,7 @@ class Case:
                 "another way, and end with Done where there is none",
             )
         raise self._never_ends(
-            f"{names} waiting for a message that never comes",
+            f"{names} waiting {WAITS_FOR_EVER}",
             "give Receive a timeout_s, and end with Done",
         )
 

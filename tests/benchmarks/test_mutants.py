@@ -160,7 +160,7 @@ def test_the_page_is_made_from_what_is_kept(tmp_path, monkeypatch):
     monkeypatch.setattr(command, "PAGE", tmp_path / "mutants.md")
     assert main(["--out", str(tmp_path), "--page"]) == 0
     text = (tmp_path / "mutants.md").read_text()
-    assert "Campaigns found 1 of 60 defects, all of them within 100 missions" in text
+    assert "Campaigns found 1 of 60 defects, each within 100 missions" in text
     assert "The unmodified program ran 900 missions; none of them failed." in text
     assert text.splitlines()[2].startswith(
         "Made with `python -m benchmarks.mutants --missions 900` and `python -m "

@@ -52,7 +52,7 @@ def no_collision(run: JudgedRun) -> Violation | None:
     Robots cannot know of walls that the beams of a laser missed. In worlds with obstacles thinner
     than the distance between beams, or with sharp corners, contact with an obstacle is not a
     violation if a region on the robot's map contains a part of that obstacle next to it.
-    `free-is-free` limits what beams may miss.
+    `known-free-is-free` limits what beams may miss.
 
     Cost: a few milliseconds for each robot and each pair.
     """
@@ -186,7 +186,7 @@ def _with_each_other(run: JudgedRun) -> Iterator[Violation]:
         gap = _Gap(one, track, two, other)
         met_s = _first_meeting(gap, joints[:-1], joints[1:], rates)
         if met_s is not None:
-            x, y, _ = track.at(np.array([met_s]))[0].tolist()
+            x, y, _ = track.pose(met_s)
             yield Violation(
                 invariant=NAME,
                 says=f"robots {i} and {j} overlap at {met_s:.2f} s, at ({x:.3f}, {y:.3f})",

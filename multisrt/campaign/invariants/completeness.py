@@ -37,15 +37,13 @@ from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.regions.edge_index import EdgeIndex
 from multisrt.geometry.regions.safe_region import local_safe_region
 from multisrt.geometry.regions.shapes import Shape
+from multisrt.robots.naming import NO_CHAIN, WALLED_IN
 from multisrt.simulation.sensing import measured
 from multisrt.spec import RangeFinderSpec
 
 COMPLETE: Final = "complete-is-complete"
 BOXED_IN: Final = "boxed-in-is-boxed-in"
 CHAIN: Final = "chain-reaches-no-goal"
-
-NO_CHAIN: Final = "no goal is left from which the chain reaches"
-"""How the reason of a robot begins whose chain of relays is too short."""
 
 SHARPEST_RAD: Final = math.radians(45.0)
 """Minimum angle of a corner of an obstacle that may stand unseen between two beams."""
@@ -69,7 +67,7 @@ SRT_LATTICE: Final = 0.09
 """A lattice of viewing places of the SRT family holds one in any disc of this radius; as a share
 of `d_min_m`."""
 
-SRT_LEAST_M: Final = 0.1
+SRT_MIN_EXCESS_M: Final = 0.1
 """A frontier of the SRT family is longer than a body is wide by this, in metres."""
 
 SRT_RASTER: Final = 0.3
@@ -205,7 +203,7 @@ def chain_reaches_no_goal(run: JudgedRun) -> Violation | None:
         heard = shapely.Point(spec.base.place).buffer(max(link_m, 0.0))
         near = shapely.union_all(whole[shapely.covered_by(whole, heard)])
         bodies = bodies_around(run, robot, [end.time_s], 1.5 * run.options["body_stays_s"])
-        at = _place(run, robot, end.time_s)
+        at = run.tracks[robot].pose(end.time_s)
         found = open_frontiers(run, robot, names, reach, at, obstacles=bodies, only=near)
         for left in found:
             if left.behind_m2 >= MIN_BEHIND_M2:
@@ -271,11 +269,26 @@ def _left(
     obstacles : geometry, optional
         Places where its reference point cannot be.
     """
-    reach = reach_of(run, robot)
+    if run.family == "srt":
+        return _left_by_srt(run, robot, names, at_s, obstacles)
+    at = run.tracks[robot].pose(at_s)
+    found = open_frontiers(run, robot, names, reach_of(run, robot), at, obstacles=obstacles)
+    return [one for one in found if one.behind_m2 >= MIN_BEHIND_M2]
 
-    def left(only: BaseGeometry | None) -> list[OpenFrontier]:
-        looked = None if only is None else _looked_from(run, robot, names)
-        at = _place(run, robot, at_s)
+
+def _left_by_srt(
+    run: JudgedRun,
+    robot: int,
+    names: list[NodeName],
+    at_s: float,
+    obstacles: BaseGeometry | None,
+) -> list[OpenFrontier]:
+    """Return what a robot of the SRT family could still open, of its own tree; as for `_left`."""
+    reach, at = reach_of(run, robot), run.tracks[robot].pose(at_s)
+    near_m = 3.0 * reach.scrap_m
+    looked = _looked_from(run, robot, names)
+
+    def left(only: BaseGeometry) -> list[OpenFrontier]:
         found = open_frontiers(
             run, robot, names, reach, at, obstacles=obstacles, looked=looked, only=only
         )
@@ -283,18 +296,10 @@ def _left(
             one
             for one in found
             if one.behind_m2 >= MIN_BEHIND_M2
-            and (
-                only is None
-                or (
-                    _is_led_to(run, robot, names, one.stand, obstacles)
-                    and not _shows_hardly_more(run, robot, names, one)
-                )
-            )
+            and _is_led_to(run, robot, names, one.stand, obstacles)
+            and not _shows_hardly_more(run, robot, names, one)
         ]
 
-    if run.family != "srt":
-        return left(None)
-    near_m = 3.0 * reach.scrap_m
     own = [name for name in names if _root(run, name) == (robot, 0)]
     # The border of all that is known, where it is that of the own tree.
     own_border = united(run, own).boundary.buffer(SAME_BORDER_M, quad_segs=2)
@@ -303,10 +308,8 @@ def _left(
     if _gives_up_early(run, robot):
         seen = _closed_arcs(run.recording.of(ArcClosed), "seen from near")
         only = only.difference(seen.buffer(near_m, quad_segs=2))
-    found = left(only)
-    if found:
-        found = left(only.difference(_was_out_of_reach(run, robot, reach, near_m)))
-    return found
+    # What it rightly gave up is found last, as that takes longest.
+    return left(only) and left(only.difference(_was_out_of_reach(run, robot, reach, near_m)))
 
 
 def _is_led_to(
@@ -337,15 +340,10 @@ def _was_out_of_reach(run: JudgedRun, robot: int, reach: Reach, near_m: float) -
             continue
         names = known_at(run, robot, closed)
         near = _closed_arcs([closed], "not reachable").buffer(near_m, quad_segs=2)
-        at, looked = _place(run, robot, closed.time_s), _looked_from(run, robot, names)
+        at, looked = run.tracks[robot].pose(closed.time_s), _looked_from(run, robot, names)
         if not open_frontiers(run, robot, names, reach, at, looked=looked, only=near):
             around.append(near)
     return shapely.union_all(around)
-
-
-def _place(run: JudgedRun, robot: int, at_s: float) -> list[float]:
-    place: list[float] = run.tracks[robot].at(np.array([at_s]))[0].tolist()
-    return place
 
 
 def reach_of(run: JudgedRun, robot: int) -> Reach:
@@ -364,8 +362,8 @@ def reach_of(run: JudgedRun, robot: int) -> Reach:
             off_unknown_m=off_m,
             scrap_m=SRT_SCRAP_M,
             blind_m=blind_m,
-            sees_m=finder.range_m - SRT_LEAST_M,
-            min_frontier_m=width_m + SRT_LEAST_M,
+            sees_m=finder.range_m - SRT_MIN_EXCESS_M,
+            min_frontier_m=width_m + SRT_MIN_EXCESS_M,
             is_ball=run.recording.spec.strategy == "srt-ball",
         )
     cell_m, min_frontier_m = options["cell_m"], options["min_frontier_m"]
@@ -414,7 +412,7 @@ def bodies_around(
 
 def _is_beside_a_body(run: JudgedRun, robot: int, at_s: float) -> bool:
     # Whether a robot stands where no path may pass for the body of another one.
-    place = shapely.Point(_place(run, robot, at_s)[:2])
+    place = shapely.Point(run.tracks[robot].pose(at_s)[:2])
     return bool(bodies_around(run, robot, [at_s], 0.0).covers(place))
 
 
@@ -479,6 +477,8 @@ def _root(run: JudgedRun, name: NodeName) -> NodeName:
 
 def _is_walled_in(run: JudgedRun, robot: int, end: Ended) -> bool:
     # Whether it never left a start where its first scan shows less room than it keeps.
+    if not end.reason.startswith(WALLED_IN):
+        return False
     start = run.recording.starts[robot][:2]
     for motion in run.recording.of(Motion):
         if motion.robot == robot and math.dist(motion.waypoints[-1][1:3], start) > LEFT_M:
@@ -486,9 +486,7 @@ def _is_walled_in(run: JudgedRun, robot: int, end: Ended) -> bool:
     reach = reach_of(run, robot)
     keeps_m = reach.off_walls_m - (reach.blind_m if run.family == "frontier" else 0.0)
     shown = run.regions[robot, 0].exterior
-    return end.reason.startswith("boxed in at the start") and (
-        shown.distance(shapely.Point(start)) <= keeps_m
-    )
+    return bool(shown.distance(shapely.Point(start)) <= keeps_m)
 
 
 def _is_jammed(run: JudgedRun, robot: int, end: Ended) -> bool:

@@ -49,7 +49,7 @@ def _wrong(run: JudgedRun, chosen: GoalChosen) -> str | None:
     costs = [math.inf if cost is None else cost for cost in chosen.costs[own]]
     rounds = [one for one in chosen.rounds if one[0] == chosen.robot]
     match chosen.rule:
-        case "closest" if run.recording.spec.base is None or run.options["home"] == "never":
+        case "closest" if not run.returns_data:
             if costs[goal] > min(costs) + ROUNDING_M:
                 return f"its goal costs {costs[goal]:.3f} m, another one {min(costs):.3f} m"
         case "minpos" if chosen.ranks:

@@ -9,7 +9,7 @@ from multisrt.campaign.invariants.waiting import leads_on, limit
 from multisrt.campaign.judged_run import ROUNDING_S, JudgedRun
 from multisrt.campaign.violations import MAX_LENGTH, Violation, quoted
 from multisrt.events import AnyEvent, BaseLearned, Collision, Died, Ended, Motion, NodeAdded, Sent
-from multisrt.simulation.standstill import NOTHING_NEW
+from multisrt.simulation.standstill import NOTHING_NEW, WAITS_FOR_EVER
 
 NAME: Final = "ends"
 
@@ -17,9 +17,7 @@ EVENTS_PER_ROBOT: Final = 2_000
 """Number of events of a robot that a run may have, whatever its duration."""
 
 EVENTS_PER_ROBOT_S: Final = 100.0
-"""Events of a robot in a second, in the mean over a run, that are more than it can have use for."""
-
-WAITS_FOR_EVER: Final = "for a message that never comes"
+"""Maximum mean rate of events per robot, in events per second."""
 
 
 def ends(run: JudgedRun) -> Violation | None:
@@ -28,10 +26,10 @@ def ends(run: JudgedRun) -> Violation | None:
     It has at most 2,000 events per robot, plus 100 per second and robot. The outcome is `complete`
     only if all robots that are alive ended as complete, and `out_of_time` only at the time limit.
     It is not `stalled` because of robots that wait for a message that never comes, since no robot
-    may do that. Reasons are not empty, nothing happens after the end, and a run that no limit ended
-    ended with an event, or with the arrival of a message or the end of a wait after it. A run that
-    its stop rule ended because nothing new came lasts as long as that rule allows after the last
-    motion that led on, and the last node that a robot added or the base station learned.
+    may do that. Reasons are not empty, nothing happens after the end. A run that no limit ended
+    ends at its last event, at the arrival of a message, or at the end of a wait after it. A run
+    that its stop rule ended because nothing new came lasts as long as that rule allows after the
+    last motion that led on, and the last node that a robot added or the base station learned.
 
     Cost: negligible.
     """

@@ -17,7 +17,7 @@ from multisrt.events import NodeAdded
 from multisrt.geometry.regions.overlay import GRID_M
 from multisrt.spec import RobotSpec
 
-NAME: Final = "free-is-free"
+NAME: Final = "known-free-is-free"
 
 TOLERANCE_M: Final = 1e-5
 """Maximum depth of a region in an obstacle, or out of sight, in metres."""

@@ -51,11 +51,10 @@ def hearers_learn(run: JudgedRun) -> Violation | None:
         there = known.by_member[hearer]
         for name in list(known.by_member[sender])[:count]:
             if name not in there:
-                who = "the base station" if hearer == len(run.robots) else f"robot {hearer}"
                 return Violation(
                     invariant=NAME,
-                    says=f"{who} heard at {time_s:.2f} s from robot {sender}, which knew node "
-                    f"{name[1]} of robot {name[0]}, but never learns of it",
+                    says=f"{run.named(hearer)} heard at {time_s:.2f} s from robot {sender}, which "
+                    f"knew node {name[1]} of robot {name[0]}, but never learns of it",
                     robot=sender if hearer == len(run.robots) else hearer,
                     time_s=time_s,
                 )

@@ -8,7 +8,7 @@ from collections import defaultdict
 from collections.abc import Iterator
 from typing import Final
 
-from multisrt.campaign.judged_run import JudgedRun
+from multisrt.campaign.judged_run import JudgedRun, silences
 from multisrt.campaign.violations import Violation
 from multisrt.events import (
     AnyEvent,
@@ -26,7 +26,6 @@ from multisrt.events import (
     Sensed,
     Sent,
 )
-from multisrt.spec import Silence
 
 NAME: Final = "knowledge-by-scan-or-message"
 
@@ -63,11 +62,7 @@ class _Knowledge:
         spec = run.recording.spec
         members = len(spec.robots) + 1
         self._latency_s, self._jitter_s = spec.radio.latency_s, spec.radio.jitter_s
-        self._silences: dict[int, list[tuple[float, float]]] = defaultdict(list)
-        for fault in spec.faults:
-            if isinstance(fault, Silence):
-                end_s = fault.time_s + fault.duration_s
-                self._silences[fault.robot].append((fault.time_s, end_s))
+        self._silences = [silences(spec.faults, robot) for robot in run.robots]
         # In which order each came to know nodes; a message holds the first n of them.
         self._order: list[dict[NodeName, int]] = [{} for _ in range(members)]
         self._knowers: dict[NodeName, list[int]] = defaultdict(list)
@@ -82,11 +77,10 @@ class _Knowledge:
         """Yield nodes known without a scan or message, in the order of the recording."""
         for event in self._run.recording.events:
             for what in self._wrong(event):
-                robot = self._base if isinstance(event, BaseLearned) else event.robot
-                who = "the base station" if robot == self._base else f"robot {robot}"
+                member = self._base if isinstance(event, BaseLearned) else event.robot
                 yield Violation(
                     invariant=NAME,
-                    says=f"{who} {what}, {event.time_s:.2f} s",
+                    says=f"{self._run.named(member)} {what}, {event.time_s:.2f} s",
                     robot=event.robot,
                     time_s=event.time_s,
                 )

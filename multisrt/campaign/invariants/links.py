@@ -11,20 +11,16 @@ import shapely
 from shapely.geometry.base import BaseGeometry
 
 from multisrt.campaign.bodies import FloatArray
-from multisrt.campaign.judged_run import ROUNDING_M, JudgedRun
+from multisrt.campaign.judged_run import ROUNDING_M, ROUNDING_S, JudgedRun, silences
 from multisrt.campaign.violations import Violation
 from multisrt.events import Sent
-from multisrt.spec import Silence
 
 NAME: Final = "messages-over-links"
 REACHES_ALL: Final = "reaches-all-in-reach"
 LOSSES: Final = "losses-at-rate"
 
 ODDS: Final = 1e9
-"""A loss rate by which what was lost is as improbable as one in this is not that of the spec."""
-
-ROUNDING_S: Final = 1e-6
-"""At the very moment at which a radio fails or works again, both are right, to this (s)."""
+"""Likelihood ratio above which the losses contradict the rate of the spec."""
 
 TO_ALL: Final = ("no place", "inaccessible")
 """Kinds of messages that are always sent to all."""
@@ -64,9 +60,9 @@ def reaches_all_in_reach(run: JudgedRun) -> Violation | None:
 def losses_at_rate(run: JudgedRun) -> Violation | None:
     """Check that messages are lost at the rate of the radio.
 
-    The numbers of receptions and losses are compared with the rate by the likelihood ratio of all
-    rates together (each as likely) to it. If losses are drawn at the rate, independently, the ratio
-    is ever as high as 1e9 in one run of 1e9 at most, whenever the run ends (Ville's inequality).
+    The losses are compared with the rate by a likelihood ratio: that of a uniform prior over all
+    rates to that of the rate of the spec. If losses are independent at that rate, it exceeds 1e9 at
+    any time of a run with probability at most 1e-9 (Ville's inequality).
 
     Cost: negligible.
     """
@@ -92,7 +88,7 @@ class _Links:
         self._slack = -1.0 if is_sure else 1.0
         self._radio = run.recording.spec.radio
         self._robots = len(run.robots)
-        self._silences = [f for f in run.recording.spec.faults if isinstance(f, Silence)]
+        self._silences = [silences(run.recording.spec.faults, robot) for robot in run.robots]
         self._held: dict[tuple[Place, Place], bool] = {}
         self._places: dict[float, FloatArray] = {}
 
@@ -107,7 +103,7 @@ class _Links:
             if wrong is not None:
                 yield Violation(
                     invariant=name,
-                    says=f"a message of {self._named(message.robot)} at {message.time_s:.2f} s "
+                    says=f"a message of {self._run.named(message.robot)} at {message.time_s:.2f} s "
                     f"({message.kind}) {wrong}",
                     robot=message.robot,
                     time_s=message.time_s,
@@ -155,7 +151,7 @@ class _Links:
             in_reach = {n for n in others if self._holds(sender, n, now_s)}
         missed = in_reach - receivers
         if is_to_all and missed:
-            return f"does not reach {self._named(min(missed))}, which is in reach"
+            return f"does not reach {self._run.named(min(missed))}, which is in reach"
         if missed and len(missed) == len(self._members) - 1:
             return "reaches nobody, but all others are in reach"
         return None
@@ -165,9 +161,6 @@ class _Links:
         # All that take part in the radio traffic.
         return range(self._robots + (self._run.recording.spec.base is not None))
 
-    def _named(self, member: int) -> str:
-        return "the base station" if member == self._robots else f"robot {member}"
-
     def _works(self, member: int, time_s: float) -> bool:
         if member == self._robots:
             return True
@@ -176,9 +169,8 @@ class _Links:
         if not on_s - slack_s <= time_s <= dead_s + slack_s:
             return False
         return not any(
-            fault.time_s + slack_s < time_s < fault.time_s + fault.duration_s - slack_s
-            for fault in self._silences
-            if fault.robot == member
+            begin_s + slack_s < time_s < end_s - slack_s
+            for begin_s, end_s in self._silences[member]
         )
 
     def _reached(self, sender: int, now_s: float) -> set[int]:

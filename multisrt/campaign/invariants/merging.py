@@ -17,7 +17,7 @@ from multisrt.robots.exploration_map import Closing, Entry, ExplorationMap, Node
 from multisrt.robots.frontier.scan_map import raster_for
 
 NAME: Final = "merge-order"
-CLOSINGS: Final = "closings-are-for-some"
+CLOSINGS: Final = "closings-apply-where-valid"
 
 MAX_ROBOTS: Final = 2
 """Number of robots of a run whose maps are merged again."""
@@ -29,8 +29,9 @@ MAX_NODES: Final = 40
 def merge_order(run: JudgedRun) -> Violation | None:
     """Check that the nodes and closings that a robot knew give the same map in any order.
 
-    For up to two robots, drawn from the digest of the run, up to 40 nodes and all recorded closings
-    are merged in the order in which the robot received them and in a random order. The frontiers of
+    For up to two robots, drawn from the digest of the run, up to 40 nodes, in the order in which
+    the robot came to know them, and then all closings of the run are merged as they are and in a
+    random order. The frontiers of
     all nodes, the roots and the open nodes are exactly equal. For robots that bid for frontiers, a
     raster filled in both orders has the same cells, passable cells and frontier groups.
 

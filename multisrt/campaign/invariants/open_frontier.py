@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 import shapely
-from shapely import LineString, MultiPolygon, Polygon
+from shapely import LineString, MultiLineString, MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
 from multisrt.campaign.bodies import FloatArray
@@ -85,7 +85,7 @@ class Reach:
 def open_frontiers(
     run: JudgedRun,
     robot: int,
-    names: Iterable[NodeName],
+    names: Collection[NodeName],
     reach: Reach,
     at: Sequence[float],
     *,
@@ -101,7 +101,7 @@ def open_frontiers(
         The run.
     robot : int
         The robot.
-    names : iterable of (robot, serial)
+    names : collection of (robot, serial)
         The nodes on its map.
     reach : Reach
         Where it can go, and what counts as frontier.
@@ -135,7 +135,7 @@ def open_frontiers(
 
 
 def frontiers(
-    run: JudgedRun, robot: int, names: Iterable[NodeName], reach: Reach, apart_m: float
+    run: JudgedRun, robot: int, names: Collection[NodeName], reach: Reach, apart_m: float
 ) -> BaseGeometry:
     """Return the surroundings of all frontiers of a robot, each of which is one part.
 
@@ -154,7 +154,7 @@ def frontiers(
 def standing_space(
     run: JudgedRun,
     robot: int,
-    names: Iterable[NodeName],
+    names: Collection[NodeName],
     reach: Reach,
     obstacles: BaseGeometry | None = None,
 ) -> BaseGeometry:
@@ -166,7 +166,7 @@ def standing_space(
 def path_leads(
     run: JudgedRun,
     robot: int,
-    names: Iterable[NodeName],
+    names: Collection[NodeName],
     reach: Reach,
     at: Sequence[float],
     places: Sequence[Sequence[float]],
@@ -200,7 +200,7 @@ def _frontier_of(
 
 
 def _open_space(
-    run: JudgedRun, space: Polygon, names: Iterable[NodeName], reach: Reach
+    run: JudgedRun, space: Polygon, names: Collection[NodeName], reach: Reach
 ) -> tuple[BaseGeometry, BaseGeometry]:
     return run.once(
         ("open frontier", shapely.to_wkb(space), reach, frozenset(names)),
@@ -209,7 +209,7 @@ def _open_space(
 
 
 def _unknown_and_standing(
-    run: JudgedRun, space: Polygon, names: Iterable[NodeName], reach: Reach
+    run: JudgedRun, space: Polygon, names: Collection[NodeName], reach: Reach
 ) -> tuple[BaseGeometry, BaseGeometry]:
     # What is unknown in a space, and where the body can stand in what is known.
     known = united(run, names).simplify(SIMPLER_M)
@@ -223,12 +223,12 @@ def _unknown_and_standing(
     return unknown, solid(standing.intersection(roomy).simplify(SIMPLER_M))
 
 
-def united(run: JudgedRun, names: Iterable[NodeName]) -> BaseGeometry:
+def united(run: JudgedRun, names: Collection[NodeName]) -> BaseGeometry:
     """Return the union of the regions of nodes."""
     return run.once(("united", frozenset(names)), lambda: _united(run, names))
 
 
-def _united(run: JudgedRun, names: Iterable[NodeName]) -> BaseGeometry:
+def _united(run: JudgedRun, names: Collection[NodeName]) -> BaseGeometry:
     regions = [run.regions[name] for name in names]
     valid = [r if r.is_valid else solid(shapely.make_valid(r)) for r in regions]
     return solid(shapely.union_all(valid, grid_size=GRID_M))
@@ -250,11 +250,11 @@ def _part_at(standing: BaseGeometry, at: Sequence[float], within_m: float) -> Ba
 
 
 def _stretches(lines: BaseGeometry) -> list[LineString]:
-    merged = lines
-    if lines.geom_type == "MultiLineString":
-        merged = shapely.line_merge(lines)
-    parts: list[BaseGeometry] = shapely.get_parts(merged).tolist()
-    return [part for part in parts if isinstance(part, LineString) and part.length > 0.0]
+    # Of a collection, too, which an intersection is that touches in a point.
+    parts = [part for part in shapely.get_parts(lines) if isinstance(part, LineString)]
+    merged = shapely.line_merge(MultiLineString([part for part in parts if not part.is_empty]))
+    whole: list[LineString] = shapely.get_parts(merged).tolist()
+    return [part for part in whole if part.length > 0.0]
 
 
 def _seen(

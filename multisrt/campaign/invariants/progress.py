@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import Final
 
@@ -9,7 +10,7 @@ import numpy as np
 import shapely
 
 from multisrt.campaign.bodies import FloatArray
-from multisrt.campaign.judged_run import JudgedRun
+from multisrt.campaign.judged_run import ROUNDING_S, JudgedRun
 from multisrt.campaign.violations import Violation
 from multisrt.events import (
     ArcClosed,
@@ -42,7 +43,8 @@ def drives_get_somewhere(run: JudgedRun) -> Violation | None:
 
     Between two events of progress, a robot drives at most the total length of all walls of the
     world; any place is reached, and left again, on a shorter path. A motion counts 0.1 m more than
-    its length, so that tiny ones add up, too. In the SRT family robots return along their trees,
+    its length, so that tiny ones add up, too, but not if it is a part of the one before: it begins
+    when that one ends, and turns the same way. In the SRT family robots return along their trees,
     which may be longer: there the limit is at least the distance that all robots together have
     driven by then. Progress of all robots is a region that shows a place not seen by any of them
     (of about 4000 in the free space), the closing of an arc, the end of a robot, and the beginning
@@ -130,9 +132,22 @@ def _points_in(free: shapely.geometry.base.BaseGeometry) -> FloatArray:
 def _driven_m(run: JudgedRun, robot: int, times: FloatArray) -> FloatArray:
     """Return the distance that a robot has driven by each time, with what its motions count."""
     track = run.tracks[robot]
-    set_out_s = [e.waypoints[0][0] for e in run.recording.of(Motion) if e.robot == robot]
-    motions = np.searchsorted(np.sort(set_out_s), times)
+    motions = np.searchsorted(_begins_s(run, robot), times)
     begin_m = np.concatenate([[0.0], np.cumsum(track.lengths)])
     begin_s = np.append(track.legs[:, 0], track.legs[-1, 4])
     driven: FloatArray = np.interp(times, begin_s, begin_m) + MOTION_M * motions
     return driven
+
+
+def _begins_s(run: JudgedRun, robot: int) -> list[float]:
+    """Return when the motions of a robot began, without those that go on with the one before."""
+    motions = [e.waypoints for e in run.recording.of(Motion) if e.robot == robot]
+    begins_s: list[float] = []
+    end_s, turn = -math.inf, 0.0
+    for waypoints in sorted(motions):
+        (begin_s, *_, before), (over_s, *_, after) = waypoints[0], waypoints[-1]
+        way = float(np.sign(after - before))
+        if begin_s > end_s + ROUNDING_S or way != turn:
+            begins_s.append(begin_s)
+        end_s, turn = over_s, way
+    return begins_s

@@ -7,15 +7,14 @@ from typing import Final
 
 import shapely
 
-from multisrt.campaign.invariants.completeness import IN_THE_WAY, NO_CHAIN
+from multisrt.campaign.invariants.completeness import IN_THE_WAY
 from multisrt.campaign.judged_run import JudgedRun
 from multisrt.campaign.violations import Violation, quoted
 from multisrt.events import Ended
+from multisrt.planners.home_options import NO_TIME_LEFT
+from multisrt.robots.naming import NO_CHAIN
 
 NAME: Final = "incomplete-for-a-reason"
-
-NO_TIME_LEFT: Final = "no time is left for another"
-"""How the reason of a robot begins that has no time for another target and the way home."""
 
 NO_TARGET: Final = "the planner has no target"
 """How that of a robot of the SRT family begins that leaves frontier, with `complete=false`."""
@@ -52,9 +51,10 @@ def incomplete_for_a_reason(run: JudgedRun) -> Violation | None:
 
 def _wrong(run: JudgedRun, end: Ended) -> str | None:
     if end.reason.startswith(NO_TIME_LEFT):
-        left_s, most_s = run.recording.spec.stop.max_time_s - end.time_s, _most_s(run, end.robot)
-        if left_s > most_s:
-            return f"{left_s:.0f} s before the limit; {most_s:.0f} s are enough for any place"
+        left_s = run.recording.spec.stop.max_time_s - end.time_s
+        trip_s = _max_trip_s(run, end.robot)
+        if left_s > trip_s:
+            return f"{left_s:.0f} s before the limit; {trip_s:.0f} s are enough for any place"
         return None
     if end.reason.startswith(NO_TARGET):
         return "which must not happen with complete=true" if run.options["complete"] else None
@@ -62,7 +62,7 @@ def _wrong(run: JudgedRun, end: Ended) -> str | None:
     return None if is_known else "which is no reason to end incomplete"
 
 
-def _most_s(run: JudgedRun, robot: int) -> float:
+def _max_trip_s(run: JudgedRun, robot: int) -> float:
     """Return how long a robot may need at most to any place and home, in seconds."""
     drive, options = run.recording.spec.robots[robot].drive, run.options
     if drive.is_car or options["home"] in ("relays", "chain"):

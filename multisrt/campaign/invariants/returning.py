@@ -5,10 +5,14 @@ from __future__ import annotations
 import math
 from typing import Final
 
-import numpy as np
 import shapely
 
-from multisrt.campaign.invariants.completeness import BELIEF_S, bodies_around, reach_of
+from multisrt.campaign.invariants.completeness import (
+    BELIEF_S,
+    bodies_around,
+    known_at,
+    reach_of,
+)
 from multisrt.campaign.invariants.open_frontier import path_leads, united
 from multisrt.campaign.judged_run import ROUNDING_M, ROUNDING_S, JudgedRun
 from multisrt.campaign.violations import Violation, quoted
@@ -35,7 +39,7 @@ SRT_CELL_M: Final = 0.1
 SURELY_A_CELL: Final = 1.5
 """A disc with a radius of so many cells holds at least one."""
 
-LEAST_M2: Final = 0.05
+MIN_LACKED_M2: Final = 0.05
 """Smaller areas that the base station lacks are scraps."""
 
 
@@ -65,7 +69,7 @@ def data_is_returned(run: JudgedRun) -> Violation | None:
             continue
         if not (end.complete or end.reason.startswith(NO_TIME_LEFT)):
             continue
-        known = [name for name, time_s in run.known[robot].items() if time_s <= end.time_s]
+        known = known_at(run, robot, end)
         lacking = [name for name in known if name not in delivered]
         if not lacking or not _may_be_heard(run, robot, known, end.time_s):
             continue
@@ -74,7 +78,7 @@ def data_is_returned(run: JudgedRun) -> Violation | None:
         # Robots count areas in cells: only such whole ones are sure to be noticed.
         wide_m = SURELY_A_CELL * run.options.get("cell_m", SRT_CELL_M)
         area_m2 = lacked.buffer(-wide_m).buffer(wide_m).area
-        if area_m2 > LEAST_M2:
+        if area_m2 > MIN_LACKED_M2:
             return Violation(
                 invariant=NAME,
                 says=f"robot {robot} ended at {end.time_s:.2f} s ({quoted(end.reason)}), but the "
@@ -137,14 +141,13 @@ def ends_at_home(run: JudgedRun) -> Violation | None:
 
     Cost: negligible.
     """
-    is_judged = run.recording.spec.base is None or run.options.get("home") == "never"
     end = run.ends.get(0)
-    if run.family != "srt" or len(run.robots) > 1 or not is_judged:
+    if run.family != "srt" or len(run.robots) > 1 or run.returns_data:
         return None
     if end is None or not end.complete or run.recording.spec.robots[0].drive.is_car:
         return None
-    place = run.tracks[0].at(np.array([end.time_s]))[0, :2].tolist()
-    away_m = math.dist(place, run.recording.header.starts[0][:2])
+    x, y, _ = run.tracks[0].pose(end.time_s)
+    away_m = math.dist((x, y), run.recording.header.starts[0][:2])
     if away_m <= AT_HOME_M:
         return None
     return Violation(
@@ -159,7 +162,7 @@ def ends_at_home(run: JudgedRun) -> Violation | None:
 def _is_surely_heard(run: JudgedRun) -> bool:
     # Whether data is to be returned, and the base station certain to hear a robot in reach.
     spec = run.recording.spec
-    if run.family == "other" or spec.base is None or run.options["home"] == "never":
+    if run.family == "other" or not run.returns_data:
         return False
     return not any(isinstance(fault, Silence) for fault in spec.faults) and not _may_be_unheard(run)
 
@@ -177,10 +180,10 @@ def _may_be_heard(run: JudgedRun, robot: int, known: list[NodeName], at_s: float
     heard = [name for name in known if name[0] == robot and _is_heard_at(run, name)]
     if not heard or (run.family == "srt" and len(run.robots) == 1):
         return bool(heard)
-    at = run.tracks[robot].at(np.array([at_s]))[0].tolist()
     places = [run.nodes[name].configuration for name in heard]
     belief_s = BELIEF_S if run.family == "srt" else 1.5 * run.options["body_stays_s"]
     bodies = bodies_around(run, robot, [at_s], belief_s)
+    at = run.tracks[robot].pose(at_s)
     return path_leads(run, robot, known, reach_of(run, robot), at, places, bodies)
 
 

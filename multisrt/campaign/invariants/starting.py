@@ -7,10 +7,10 @@ from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from typing import Final
 
-from multisrt.campaign.judged_run import ROUNDING_M, ROUNDING_S, JudgedRun
+from multisrt.campaign.judged_run import ROUNDING_M, ROUNDING_S, JudgedRun, silences
 from multisrt.campaign.violations import Violation
 from multisrt.events import CameBack, Died, Ended, FellSilent, Joined, Motion, Organized
-from multisrt.spec import Death, LateStart, Silence
+from multisrt.spec import Death, LateStart
 
 NAME: Final = "starts-and-faults"
 
@@ -139,19 +139,9 @@ def _silences(run: JudgedRun) -> Iterator[Said]:
 
 
 def silent_spells(run: JudgedRun, robot: int) -> list[tuple[float, float]]:
-    """Return the intervals in which the radio of a robot is to be silent, merged."""
+    """Return the intervals in which the radio of a robot that is on is to be silent, merged."""
     on_s, _ = run.present_s(robot)
-    found: list[tuple[float, float]] = []
-    for fault in sorted(
-        (f for f in run.recording.spec.faults if isinstance(f, Silence) and f.robot == robot),
-        key=lambda fault: fault.time_s,
-    ):
-        begin_s, end_s = max(fault.time_s, on_s), fault.time_s + fault.duration_s
-        if found and begin_s <= found[-1][1]:
-            found[-1] = found[-1][0], max(found[-1][1], end_s)
-        elif begin_s < end_s:
-            found.append((begin_s, end_s))
-    return found
+    return silences(run.recording.spec.faults, robot, on_s)
 
 
 def _over_s(run: JudgedRun, robot: int) -> float:

@@ -38,7 +38,7 @@ STUCK_S: Final = 5.0
 """Time without progress by the nearness diagram after which a robot follows its path (s)."""
 
 MOVED_M: Final = 1e-3
-"""A motion that leads no farther is none, in metres and in radians."""
+"""Motions shorter than this count as standing still, in metres and in radians."""
 
 
 def waits_within_limits(run: JudgedRun) -> Violation | None:
@@ -221,8 +221,8 @@ def _ends(run: JudgedRun, team: list[int]) -> Iterator[float]:
 def _changes(run: JudgedRun) -> list[tuple[list[float], list[bool]]]:
     """Return for each robot when it ended or began to move, and whether it ended then.
 
-    A robot that moves after it ended was called on. If it ends as before, that is not recorded
-    again, but that it chooses nothing is.
+    A robot that moves after it ended was called on, unless it only gave way. If it ends as before,
+    that is not recorded again, but that it chooses nothing is.
     """
     return run.once("ends and motions", lambda: [_changes_of(run, robot) for robot in run.robots])
 
@@ -239,6 +239,8 @@ def _changes_of(run: JudgedRun, robot: int) -> tuple[list[float], list[bool]]:
     times_s: list[float] = []
     have_ended: list[bool] = []
     for event in told:
+        if isinstance(event, Motion) and event.purpose == "give way" and True in have_ended[-1:]:
+            continue
         if isinstance(event, GoalChosen):
             ends_again = event.goal is None and True in have_ended and not have_ended[-1]
             if not ends_again:

@@ -1,4 +1,4 @@
-"""Messages arrive when the radio says, once, and only at robots that they are for."""
+"""Each message arrives once, at its addressees only, at the time that the radio model defines."""
 
 from __future__ import annotations
 
@@ -6,21 +6,21 @@ from collections.abc import Hashable, Iterator
 from dataclasses import dataclass
 from typing import Final
 
-from multisrt.campaign.judged_run import ROUNDING_S
+from multisrt.campaign.judged_run import ROUNDING_S, silences
 from multisrt.campaign.violations import Violation
 from multisrt.events import Sent
 from multisrt.robots.explorer import Outcome, Receive, Received, TimedOut
 from multisrt.robots.messages import Message
-from multisrt.spec import RunSpec, Silence
+from multisrt.spec import RunSpec
 
 NAME: Final = "messages-arrive"
 
 MIN_DELAYS: Final = 5
-"""Number of known delays from which on they must differ if the radio has jitter."""
+"""Minimum number of observed delays for the jitter to be tested."""
 
-LEAST_SPREAD: Final = 1e-3
-"""Smallest difference of the longest and the shortest of them, as a share of the jitter. Five
-delays that are drawn at random differ by less in one of 2e11 runs."""
+MIN_SPREAD: Final = 1e-3
+"""Minimum spread of these delays, as a share of the jitter. Five uniform delays are closer together
+in one of 2e11 runs."""
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -77,10 +77,11 @@ class Arrivals:
     def __init__(self, spec: RunSpec) -> None:
         self._base = len(spec.robots)
         self._radio = spec.radio
-        self._silences = [fault for fault in spec.faults if isinstance(fault, Silence)]
+        self._silent_s = [silences(spec.faults, robot) for robot in range(self._base)]
         self._due: list[list[_Letter]] = [[] for _ in spec.robots]
-        # For each robot what it may not have heard.
-        self._doubtful: list[set[Hashable]] = [set() for _ in spec.robots]
+        # For each robot what it may not have heard. Letters keep their messages alive: the identity
+        # of a message that is gone may be that of a later one.
+        self._doubtful: list[dict[Hashable, _Letter]] = [{} for _ in spec.robots]
         self._delays_s: list[float] = []
         self._found: Violation | None = None
         self.last_s = 0.0
@@ -117,7 +118,7 @@ class Arrivals:
                 continue
             self._due[receiver].append(letter)
             if self._may_be_silent(receiver, letter):
-                self._doubtful[receiver].add(letter.known_by)
+                self._doubtful[receiver][letter.known_by] = letter
 
     def ended(
         self, robot: int, begin_s: float, outcome: Outcome, now_s: float, *, moves: bool
@@ -165,7 +166,7 @@ class Arrivals:
         delays_s, jitter_s = self._delays_s, self._radio.jitter_s
         if self._found is None and len(delays_s) >= MIN_DELAYS:
             spread_s = max(delays_s) - min(delays_s)
-            if spread_s < LEAST_SPREAD * jitter_s:
+            if spread_s < MIN_SPREAD * jitter_s:
                 says = f"the delays of {len(delays_s)} messages differ by {spread_s:.2g} s at most"
                 self._violated(f"{says}, with a jitter of {jitter_s:g} s", None, None)
         if self._found is not None:
@@ -208,18 +209,14 @@ class Arrivals:
     def _is_silent(self, robot: int, letter: _Letter) -> bool:
         return any(
             begin_s + ROUNDING_S < letter.first_s and letter.last_s < end_s - ROUNDING_S
-            for begin_s, end_s in self._silent_s(robot)
+            for begin_s, end_s in self._silent_s[robot]
         )
 
     def _may_be_silent(self, robot: int, letter: _Letter) -> bool:
         return any(
             begin_s - ROUNDING_S <= letter.last_s and letter.first_s <= end_s + ROUNDING_S
-            for begin_s, end_s in self._silent_s(robot)
+            for begin_s, end_s in self._silent_s[robot]
         )
-
-    def _silent_s(self, robot: int) -> list[tuple[float, float]]:
-        silences = [silence for silence in self._silences if silence.robot == robot]
-        return [(silence.time_s, silence.time_s + silence.duration_s) for silence in silences]
 
     def _violated(self, says: str, robot: int | None, time_s: float | None) -> None:
         if self._found is None:

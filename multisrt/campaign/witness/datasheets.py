@@ -11,7 +11,7 @@ from multisrt.robots.explorer import RobotSelf
 from multisrt.simulation.setting_up import SetUp
 from multisrt.spec import LateStart
 
-NAME: Final = "told-what-it-is"
+NAME: Final = "data-sheet-matches-spec"
 
 
 def told_what_they_are(setup: SetUp) -> Iterator[Violation]:

@@ -1,9 +1,10 @@
-"""Robots and the base station learn what was in messages that reached them, and the base all."""
+"""Robots learn only nodes that reached them in messages; the base station learns all of them."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from typing import Final
 
 import msgspec
 
@@ -14,7 +15,7 @@ from multisrt.robots.knowledge import Node
 from multisrt.robots.messages import Message
 from multisrt.spec import RunSpec
 
-NAME = "learns-from-messages"
+NAME: Final = "learns-from-messages"
 
 
 class News:

@@ -24,7 +24,7 @@ MAX_BEAMS: Final = 24
 READING_M: Final = 1e-5
 """Readings that differ by less are equal, in metres."""
 
-ASIDE_RAD: Final = 1e-6
+ASIDES_RAD: Final = (0.0, 1e-6, -1e-6)
 """A beam that touches a corner may hit it or pass it: beams that point so far aside count, too."""
 
 
@@ -41,8 +41,9 @@ def scans_show_walls(run: JudgedRun, scans: Sequence[Scanned]) -> Iterator[Viola
 
     A scan is of the place where the robot is, to 1e-6 m, and of the range of its range finder. The
     reading of a beam is the distance to the first wall along it, to 1e-5 m, or infinite if there is
-    none within range; either counts at 1e-5 m from the range. The border of an exact scan lies on
-    walls, to 1e-5 m, at the range, or on lines through the place.
+    none within range; either counts at 1e-5 m from the range. The border of an exact scan consists
+    of walls, of arcs at the range, and of lines of sight past the corners of walls, all to 1e-5 m;
+    no wall is before it.
 
     Parameters
     ----------
@@ -54,7 +55,7 @@ def scans_show_walls(run: JudgedRun, scans: Sequence[Scanned]) -> Iterator[Viola
     border = shapely.boundary(shapely.MultiPolygon(run.environment.free))
     shapely.prepare(border)
     for robot, time_s, scan in scans:
-        x, y, _ = run.tracks[robot].at(np.array([time_s]))[0].tolist()
+        x, y, _ = run.tracks[robot].pose(time_s)
         where, finder = scan.configuration, run.recording.spec.robots[robot].range_finder
         says = None
         if math.dist((x, y), (where.x, where.y)) > ROUNDING_M:
@@ -81,8 +82,7 @@ def _wrong_beam(scan: LaserScan, border: BaseGeometry) -> str | None:
     beams = len(scan.ranges)
     for beam in np.unique(np.linspace(0, beams - 1, min(beams, MAX_BEAMS)).astype(int)).tolist():
         reading_m, angle = float(scan.ranges[beam]), math.tau * beam / beams
-        asides = (0.0, ASIDE_RAD, -ASIDE_RAD)
-        if not any(_agrees(scan, angle + aside, reading_m, border) for aside in asides):
+        if not any(_agrees(scan, angle + aside, reading_m, border) for aside in ASIDES_RAD):
             true_m = _distance(scan, angle, border)
             return (
                 f"reads {reading_m:.4f} m at {angle:.3f} rad, where a wall is {true_m:.4f} m away"
@@ -97,7 +97,7 @@ def _agrees(scan: LaserScan, angle: float, reading_m: float, border: BaseGeometr
     return abs(true_m - reading_m) <= READING_M
 
 
-def _distance(scan: LaserScan, angle: float, border: BaseGeometry) -> float:
+def _distance(scan: Scan, angle: float, border: BaseGeometry) -> float:
     # To the first wall in a direction; inf beyond a little more than the range.
     x, y, _ = scan.configuration
     far_m = scan.range_m + 2.0 * READING_M
@@ -107,22 +107,31 @@ def _distance(scan: LaserScan, angle: float, border: BaseGeometry) -> float:
 
 
 def _wrong_border(scan: ExactScan, border: BaseGeometry) -> str | None:
-    x, y, _ = scan.configuration
     ends: FloatArray = np.stack([scan.boundary, np.roll(scan.boundary, -1, axis=0)], axis=1)
     pieces = np.linspace(0, len(ends) - 1, min(len(ends), MAX_BEAMS)).astype(int)
     for piece in np.unique(pieces).tolist():
-        (ax, ay), (bx, by) = (ends[piece] - (x, y)).tolist()
-        away_m, beyond_m = math.hypot(ax, ay), math.hypot(bx, by)
-        at = f"at ({ends[piece, 0, 0]:.3f}, {ends[piece, 0, 1]:.3f})"
-        match int(scan.tags[piece]):
-            case t if t == OBSTACLE:
-                middle = shapely.Point(ends[piece].mean(axis=0))
-                if border.distance(middle) > READING_M:
-                    return f"has a wall {at} where there is none"
-            case t if t == RANGE:
-                if max(abs(away_m - scan.range_m), abs(beyond_m - scan.range_m)) > READING_M:
-                    return f"ends {away_m:.4f} m away {at}, where there is no wall"
-            case t if t == GAP:
-                if abs(ax * by - ay * bx) > READING_M * max(away_m, beyond_m):
-                    return f"has a gap {at} that is not on a line of sight"
+        wrong = _wrong_piece(scan, ends[piece], int(scan.tags[piece]), border)
+        if wrong is not None:
+            return f"{wrong} at ({ends[piece, 0, 0]:.3f}, {ends[piece, 0, 1]:.3f})"
+    return None
+
+
+def _wrong_piece(scan: ExactScan, ends: FloatArray, tag: int, border: BaseGeometry) -> str | None:
+    x, y, _ = scan.configuration
+    (ax, ay), (bx, by) = (ends - (x, y)).tolist()
+    away_m, beyond_m = math.hypot(ax, ay), math.hypot(bx, by)
+    if tag == GAP:
+        if abs(ax * by - ay * bx) > READING_M * max(away_m, beyond_m):
+            return "has a gap that is not on a line of sight"
+        corner = shapely.Point(ends[0] if away_m < beyond_m else ends[1])
+        return None if border.distance(corner) <= READING_M else "has a gap at no corner"
+    middle = ends.mean(axis=0)
+    if tag == OBSTACLE and border.distance(shapely.Point(middle)) > READING_M:
+        return "has a wall where there is none"
+    if tag == RANGE and max(abs(away_m - scan.range_m), abs(beyond_m - scan.range_m)) > READING_M:
+        return f"ends {away_m:.4f} m away, where there is no wall,"
+    there_m = math.hypot(*(middle - (x, y)))
+    angle = math.atan2(middle[1] - y, middle[0] - x)
+    if all(_distance(scan, angle + a, border) < there_m - READING_M for a in ASIDES_RAD):
+        return "sees through a wall"
     return None

@@ -34,11 +34,12 @@ from multisrt.robots.explorer import (
 from multisrt.robots.messages import Message
 from multisrt.simulation.setting_up import SetUp
 
-OVER: Final = "ends-when-all-have"
+OVER: Final = "ends-when-all-are-done"
 
 MAX_LOOKS: Final = 200
 MAX_SCANS: Final = 40
-"""Number of looks and ends of motions, and of scans, of which half are left out."""
+"""Capacity of the samples of looks and ends of motions, and of scans; when one is full, every
+second item is dropped."""
 
 
 class Witness:

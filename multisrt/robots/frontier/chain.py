@@ -7,8 +7,9 @@ station, and waits until the relays are in place (`multisrt.planners.relay_chain
 which robot stands where. The other robots explore where the base station, or a called relay at its
 place, is certain to hear them. A robot that is called goes to its place and stays until the front
 calls it elsewhere or lets it go, which it does as soon as its chain is shorter, or it has nothing
-to do. No robot waits forever: a relay that is late and was not heard for a while is presumed lost;
-so is a front that was not heard for a while, and then the next robot is the front.
+to do. No robot waits forever: a relay that is late and was not heard for a while is presumed lost,
+and one that is heard but late three times is not called any more; a front that was not heard for a
+while is presumed lost, and the next robot is the front.
 
 Source: see `multisrt.planners.relay_chain`. Differs in: which places are certain to be linked is
 computed from the robot's own map, not from measured signals: by the range of the radio less a
@@ -50,7 +51,8 @@ CLEAR_M = 1.5
 
 ROOM_M = 0.8
 ROOM_SHARE = 0.55
-"""Around a relay that can be passed, in metres, and the share of it that is passable at least."""
+"""Radius of the disc around a relay, in metres, and the minimum passable share of it for others to
+get past."""
 
 MAX_LATE = 3
 """Number of times a robot was late after which it is not called any more."""
@@ -206,7 +208,7 @@ class Chain:
         """Return where relays stand for a goal; None if there are too few.
 
         If the relays would be too few along the path from home, those that are called stay, up to
-        one that hears the goal. None is needed if no path is known: it has to be found.
+        one that hears the goal. No relay is needed if no path is known: it has to be found.
         """
         if self.linked(np.array([place]), self._base)[0]:
             return ()

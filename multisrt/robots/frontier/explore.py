@@ -51,7 +51,7 @@ from multisrt.robots.frontier.homing import FrontierHoming
 from multisrt.robots.frontier.options import FrontierOptions
 from multisrt.robots.frontier.progress import Event, Progress, State
 from multisrt.robots.frontier.robot import FrontierRobot, Watch
-from multisrt.robots.naming import WALLED_IN, boxed_in_by
+from multisrt.robots.naming import NO_CHAIN, WALLED_IN, boxed_in_by
 
 Rule = Callable[[FrontierRobot, Event], Generator[Action, Outcome, Goal | None]]
 """Chooses a goal, given why one is chosen; returns None if there is nothing to go to."""
@@ -462,7 +462,7 @@ class FrontierExplorer:
             case State.OUT_OF_TIME:
                 return f"{NO_TIME_LEFT} goal and the way home"
             case State.OUT_OF_REACH:
-                return "no goal is left from which the chain reaches the base station"
+                return NO_CHAIN
         if progress.because is Event.JAMMED:
             return boxed_in_by(progress.jams)
         if robot.is_walled_in and not self._barred(robot):

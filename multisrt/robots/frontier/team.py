@@ -387,8 +387,8 @@ class Team(Listener):
         pair, now_s = self.pair, self._course.time_s
         if pair is None or report.robot != pair.partner:
             return
-        # Before the time, it stops its explorer only for their first agreement, and for data that
-        # is not delivered as it is.
+        # Before that time it interrupts its explorer only for their first agreement, or for data
+        # that would not reach the base station otherwise.
         radio = self._me.radio
         is_linked = (radio.multi_hop or radio.reaches_all) and self.is_in_touch
         has_news = not is_linked and counts_beyond(report.have, self.base_has)

@@ -1,4 +1,4 @@
-"""Pairs of an explorer and a relay that meet at agreed places: what one robot keeps of its pair.
+"""Pairs of an explorer and a relay that meet at agreed places: the state that a robot keeps of it.
 
 Robots 0 and 1 are a pair, 2 and 3 the next, and so on: the first of them explores, the second
 carries its data to the base station. The last robot of an odd team explores alone. Whenever a pair

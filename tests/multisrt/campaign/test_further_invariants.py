@@ -6,6 +6,7 @@ import shapely
 
 from multisrt.analysis.measuring import measure_with_curves
 from multisrt.campaign.invariants import INVARIANTS, JudgedRun, measures
+from multisrt.campaign.invariants.open_frontier import _stretches
 from multisrt.environments.environment import Environment
 from multisrt.events import BaseLearned, Blocked, Ended, GoalChosen, Motion, NodeAdded, Sent
 from multisrt.simulation.simulate import simulate
@@ -50,7 +51,7 @@ NEW = (
     "stops-before-bodies",
     "goals-by-rule",
     "data-is-returned",
-    "free-is-free",
+    "known-free-is-free",
     "ends",
     "measures-consistent",
 )
@@ -141,8 +142,8 @@ def test_a_region_that_ends_before_the_range():
             boundary=tuple((x + 0.9 * (cx - x), y + 0.9 * (cy - y)) for cx, cy in node.boundary),
         )
 
-    assert says(run, "free-is-free") == ""
-    assert "as out of range" in says(changed(run, once(NodeAdded, shorter)), "free-is-free")
+    assert says(run, "known-free-is-free") == ""
+    assert "as out of range" in says(changed(run, once(NodeAdded, shorter)), "known-free-is-free")
 
 
 def test_a_run_that_ends_before_it_stood_still_for_long(bids):
@@ -218,3 +219,10 @@ def node_at(x, serial, time_s=0.0):
         boundary=tuple(map(tuple, corners.clip(0.0, 12.0).tolist())),
         tags="0101",
     )
+
+
+def test_stretches_are_whole_in_collections_too():
+    lines = [shapely.LineString([(0, 0), (1, 0)]), shapely.LineString([(1, 0), (2, 0)])]
+    mixed = shapely.GeometryCollection([*lines, shapely.Point(5, 5), shapely.LineString()])
+    assert [stretch.length for stretch in _stretches(mixed)] == [2.0]
+    assert [stretch.length for stretch in _stretches(shapely.LineString())] == []

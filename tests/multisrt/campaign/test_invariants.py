@@ -221,7 +221,7 @@ def test_a_region_of_a_laser_that_misses_nothing_holds_no_obstacle():
     node = seen_up_to(4.05)
     for beams, is_found in ((12, False), (180, True)):
         robots = (RobotSpec(range_finder=RangeFinderSpec(beams=beams)),)
-        said = broken(written([node], robots=robots), "free-is-free")
+        said = broken(written([node], robots=robots), "known-free-is-free")
         assert ("of obstacles" in said) is is_found
 
 
@@ -321,7 +321,7 @@ def test_an_enlarged_region_is_not_free(bids, srt):
         return replace(node, boundary=boundary)
 
     for run in (bids, srt):
-        said = broken(changed(run, once(NodeAdded, larger, 1)), "free-is-free")
+        said = broken(changed(run, once(NodeAdded, larger, 1)), "known-free-is-free")
         assert "obstacles" in said or "beyond the range" in said
 
 
@@ -342,7 +342,7 @@ def test_a_region_behind_a_corner_was_not_in_sight():
         )
         robots = (RobotSpec(range_finder=RangeFinderSpec(range_m=6.0)),)
         run = written([node], starts=((0.5, 0.5, 0.0),), environment=ell, robots=robots)
-        assert ("not in sight" not in broken(run, "free-is-free")) is is_seen
+        assert ("not in sight" not in broken(run, "known-free-is-free")) is is_seen
 
 
 # Starts and faults ---------------------------------------------------------------------------
@@ -738,9 +738,9 @@ def test_closings_of_others_that_are_applied_are_found(monkeypatch, closer, reas
     arc = tuple((*p, *q) for (p, q), tag in zip(ends, first.tags, strict=True) if tag == "1")
     closed = ArcClosed(time_s=1.0, robot=closer, node=(0, first.serial), reason=reason, arc=arc)
     tampered = changed(run, extra=[closed])
-    assert broken(tampered, "closings-are-for-some") == ""
+    assert broken(tampered, "closings-apply-where-valid") == ""
     monkeypatch.setattr(ExplorationMap, "_applies", lambda known, closing: True)
-    said = broken(tampered, "closings-are-for-some")
+    said = broken(tampered, "closings-apply-where-valid")
     assert (f"changes the map of {whose}: with 1 such arcs" in said) if whose else not said
 
 
@@ -1017,6 +1017,10 @@ def test_a_robot_that_is_called_on_has_not_ended():
     assert not broken(again, "waits-within-limits")
     chooses = written([called_on, nothing], strategy="minpos", end_s=400.0, outcome="out_of_time")
     assert broken(chooses, "waits-within-limits")
+    # One that gives way has still ended: the SRT family records nothing more of it.
+    aside = msgspec.structs.replace(called_on, purpose="give way")
+    stays = written([end, aside], strategy="srt-star", end_s=900.0, outcome="out_of_time")
+    assert not broken(stays, "waits-within-limits")
 
 
 def test_a_robot_that_makes_tiny_motions_for_ever_is_found():
@@ -1052,7 +1056,7 @@ def test_a_robot_that_drives_in_circles_is_found():
 
     name = "drives-get-somewhere"
     assert not broken(run(3), name)
-    assert "robot 0 drives 16.8 m from 0.00 s to 32.00 s" in broken(run(4), name)
+    assert "robot 0 drives 16.1 m from 0.00 s to 32.00 s" in broken(run(4), name)
     assert broken(run(4, strategy="srt-radial"), name)
     assert not broken(run(4, strategy="informed"), name)
     # The same goal again and again is a step forward once.
@@ -1062,7 +1066,7 @@ def test_a_robot_that_drives_in_circles_is_found():
         )
         for k in range(8)
     ]
-    assert "drives 16.8 m" in broken(run(4, *goals), name)
+    assert "drives 16.1 m" in broken(run(4, *goals), name)
     elsewhere = replace(goals[2], goal=(1.2, 1.5))
     assert not broken(run(4, elsewhere), name)
     assert not broken(run(4, Learned(time_s=20.0, robot=0, nodes=((1, 0),))), name)

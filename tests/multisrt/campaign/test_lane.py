@@ -9,7 +9,7 @@ from multisrt.campaign import lane as lane_module
 from multisrt.campaign import mission_process
 from multisrt.campaign.draws import draw
 from multisrt.campaign.failure import read_failure
-from multisrt.campaign.jobs import Judge, Make, Trying
+from multisrt.campaign.jobs import Attempt, Judge, Make
 from multisrt.campaign.lane import EQUAL_DIGEST, Found, Lane, Mission, compared, replayed
 from multisrt.campaign.mission import Verdict, judge
 from multisrt.campaign.mission_process import MissionProcess, Told
@@ -28,7 +28,7 @@ class FakeProcess(MissionProcess):
     """Judges runs in this process, by an invariant that wants at most one robot."""
 
     drawn = msgspec.structs.replace(SPEC, robots=(RobotSpec(footprint="disc:0.2"),) * 4, seed=8)
-    tried = Trying(spec=drawn, refused=2)
+    tried = Attempt(spec=drawn, refused=2)
 
     def __init__(self, hash_seed):
         """Begin."""
@@ -153,7 +153,7 @@ def test_a_failure_is_shrunk_and_left_in_its_folder(tmp_path, fake):
 
 
 def test_a_mission_that_is_lost_before_it_is_drawn_is_told(tmp_path, fake, monkeypatch):
-    monkeypatch.setattr(fake, "tried", Trying(spec=None, refused=4))
+    monkeypatch.setattr(fake, "tried", Attempt(spec=None, refused=4))
     found, mission = made_by(Lane(3, tmp_path, lambda invariant, strategy: True), 17)
     assert found == []
     assert (mission.spec, mission.folders) == (None, ("",))

@@ -163,7 +163,7 @@ def test_want_of_memory_is_told_from_other_errors(monkeypatch):
 
 
 def test_an_error_in_drawing_is_a_violation(monkeypatch):
-    def fails(seed, number, trying):
+    def fails(seed, number, on_draw):
         raise RuntimeError("a hole without a shell")
 
     monkeypatch.setattr(mission, "drawn", fails)

@@ -4,7 +4,7 @@ import pytest
 
 from multisrt.campaign import mission, shrinking
 from multisrt.campaign.draws import draw
-from multisrt.campaign.mission import Verdict, judge
+from multisrt.campaign.mission import JUDGED, Verdict, judge
 from multisrt.campaign.shrinking import is_alike, shrink
 from multisrt.campaign.violations import Violation
 from multisrt.campaign.worlds import world_of
@@ -120,6 +120,24 @@ def test_specs_with_lasers_that_miss_walls_are_no_simpler(monkeypatch):
 
     assert len(shrink(TEAM, BROKE, asks).spec.robots) == 3
     assert min(len(spec.robots) for spec in asked) == 3
+
+
+def test_a_world_whose_generator_fails_is_no_simpler(monkeypatch):
+    def fails(spec: RunSpec) -> bool:
+        if len(spec.robots) < 3:
+            raise ZeroDivisionError
+        return True
+
+    monkeypatch.setattr(shrinking, "finds_all", fails)
+    shrunk = shrink(TEAM, BROKE, lambda spec: Verdict(outcome="complete", violations=(BROKE,)))
+    assert len(shrunk.spec.robots) == 3
+
+
+def test_errors_of_checks_are_alike_if_raised_at_one_place():
+    one = Violation(invariant=JUDGED, says="IndexError in completeness.py:288: 3")
+    other = Violation(invariant=JUDGED, says="ValueError in free_space.py:109: 3")
+    assert is_alike(one, one)
+    assert not is_alike(one, other)
 
 
 def test_violations_of_one_invariant_are_alike_wherever_they_are():

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from multisrt.campaign.draws import candidate
-from multisrt.campaign.simpler import parts_left, simplifications
+from multisrt.campaign.simpler import simplifications, subsets
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.spec import (
     BaseSpec,
@@ -26,7 +26,7 @@ TEAM = tuple(RobotSpec(footprint=f"disc:{radius}") for radius in (0.1, 0.2, 0.3,
 
 @given(st.integers(0, 12))
 def test_parts_of_items_are_all_different_and_smaller(number):
-    left = list(parts_left(range(number)))
+    left = list(subsets(range(number)))
     assert len(set(left)) == len(left)
     assert all(len(part) < number for part in left)
     assert all(list(part) == sorted(part) for part in left)
@@ -51,6 +51,18 @@ def test_a_shorter_run_has_no_faults_after_its_end():
     shorter = [s for s in simplifications(spec, 20.0) if s.stop.max_time_s < 100.0]
     assert [s.stop.max_time_s for s in shorter] == [21.0, 50.0, 80.0]
     assert [len(s.faults) for s in shorter] == [0, 0, 1]
+
+
+def test_a_shorter_run_ends_after_its_violation():
+    spec = RunSpec(environment=MAZE, stop=StopRule(max_time_s=6000.0))
+    ends_s = [s.stop.max_time_s for s in simplifications(spec, 1232.0)]
+    assert min(ends_s) == 1233.0
+
+
+def test_parameters_below_the_smallest_are_not_tried():
+    world = CatalogEnvironment(name="maze", parameters={"size_m": 10.0, "cells": 1})
+    worlds: list[Any] = [s.environment for s in simplifications(RunSpec(environment=world))]
+    assert 0 not in [one.parameters.get("cells", 1) for one in worlds if one.name == "maze"]
 
 
 def test_a_world_becomes_a_hall_or_smaller():

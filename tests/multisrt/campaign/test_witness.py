@@ -259,6 +259,26 @@ def test_of_equal_messages_one_may_have_been_lost_in_a_silence():
     assert played.says() == []
 
 
+def test_what_was_lost_in_a_silence_excuses_no_later_message():
+    played = Played(faults=[Silence(robot=1, time_s=0.5, duration_s=1.0)])
+    for k in range(200):  # messages that are gone leave their addresses to others
+        played.send(1.0, Hello(sender=0), [1])
+        played.send(2.0 + 0.01 * k, Hello(sender=0), [1])
+    played.wait(1, 5.0, 6.0, timeout_s=1.0)
+    assert "is not received by 6.000 s" in played.says()[0]
+
+
+def test_silences_that_overlap_are_one():
+    silences = [
+        Silence(robot=1, time_s=0.0, duration_s=10.0),
+        Silence(robot=1, time_s=5.0, duration_s=15.0),
+    ]
+    played, hello = Played(latency_s=1.0, jitter_s=4.0, faults=silences), Hello(sender=0)
+    played.send(7.0, hello, [1])
+    played.wait(1, 6.0, 9.0, hello)
+    assert "is received 2.000 s later by robot 1" in played.says()[0]
+
+
 @pytest.mark.parametrize(("delay_s", "finds"), [(1.0, True), (1.7, True), (None, False)])
 def test_delays_differ_with_jitter(delay_s, finds):
     played = Played(latency_s=1.0, jitter_s=1.0)

@@ -92,6 +92,24 @@ def test_wrong_borders_are_found(tag, text):
     assert text in says(replace(scan, boundary=boundary))
 
 
+def test_an_exact_scan_that_sees_through_a_wall_is_found():
+    free = shapely.box(0.0, 0.0, 8.0, 6.0)
+    assert "sees through a wall" in says(
+        take_scan(EdgeIndex(Environment("hall", free).edges, 1.0), AT, 1.0, 4.0, None)
+    )
+
+
+def test_an_exact_scan_that_leaves_a_sector_out_is_found():
+    scan = scan_of(None)
+    walls = np.flatnonzero(scan.tags == OBSTACLE)
+    at = int(walls[len(walls) // 2]) + 1
+    here = np.array([[AT.x, AT.y]])
+    boundary = np.insert(scan.boundary, at, here, axis=0)
+    tags = np.insert(scan.tags, at, np.int8(GAP))
+    tags[at - 1] = GAP
+    assert "has a gap at no corner" in says(replace(scan, boundary=boundary, tags=tags))
+
+
 def test_a_scan_is_of_where_and_when_the_robot_is():
     scan = scan_of(64)
     moved = replace(scan, configuration=Configuration(1.01, 1.5, 0.0))

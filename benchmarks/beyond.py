@@ -35,6 +35,7 @@ from multisrt.experiments.spec import (
 )
 from multisrt.presets.summary import markdown_table
 from multisrt.recording.files import atomic_write
+from multisrt.robots.naming import joined
 from multisrt.statistics.families import paired_family
 from multisrt.statistics.intervals import Interval
 from multisrt.statistics.rank_tests import RankTest, corrected, paired
@@ -81,7 +82,10 @@ RADIOS: Final = (
 )
 
 TIME, END = "time_to_99_s", "makespan_s"
-QUANTITIES: Final = {TIME: "time to 99 %", END: "time to the end"}
+QUANTITIES: Final = {TIME: "time to 99 %", END: "makespan"}
+
+NAMED: Final = {FULL: "unlimited", LIMITED: "limited"}
+"""What radios are called in the page; tables of runs have their labels."""
 
 PENALTY: Final = 2.0
 """A run that failed counts with the longest time of its cell times this (PAR-2)."""
@@ -320,25 +324,27 @@ def page(runs: pd.DataFrame) -> list[str]:
         "`python -m benchmarks.beyond unite beyond.csv beyond.sqlite` and "
         "`python -m benchmarks.beyond page beyond.csv`. The [table](beyond.csv) has all runs.",
         "",
-        f"{len(runs):,} runs: {runs['environment'].nunique()} worlds, teams of "
-        f"{', '.join(map(str, sorted(runs['robots'].unique())))}, full and limited radio (10 m, "
-        f"walls block), {_repetitions(runs)}; the robots of a team start close "
-        "together, at a place that is drawn anew for each repetition. "
-        "The worlds are of the suites, which no strategy was tuned on"
-        f"{', and maps of other projects' if has_maps else ''}. {whole:,} of the runs are "
-        f"complete; {runs['collisions'].sum():.0f} collisions. Runs are "
-        "paired by seed. A ratio is that of the times, below 1 if the "
-        "strategy of this project is faster. A cell is a world, a team size and a radio. The ratio "
-        "of a comparison is the factor at which the signed ranks of all cells, added by "
-        "repetition, favour neither strategy, with a 95 % interval by inverting that test. Its "
-        "sample is the repetitions, not the pairs: it applies to these worlds with other starts. "
-        "The mean is the geometric mean of the ratios of the cells' medians. Faster and slower "
-        "count the cells with a significant difference, tested one by one with Holm's correction "
-        "over all cells of a row. Intervals and tests need six repetitions or more. (best) is the "
-        "strategy of the papers with the lowest geometric mean of its cells' medians, in those "
-        "repetitions that all of them have. A "
-        "run that failed (not complete, or less than 99 % covered) counts with twice the longest "
-        "time of its cell.",
+        *_in_words(runs, ours, papers),
+        f"{len(runs):,} runs in {runs['environment'].nunique()} worlds, on which no strategy was "
+        f"tuned: of the suites{' and of other projects' if has_maps else ''}. "
+        f"Teams of {_teams(runs)} start close together, at a place that is drawn anew for each "
+        f"repetition: {_repetitions(runs)}. {whole:,} of the runs are complete; "
+        f"{runs['collisions'].sum():.0f} collisions. Runs of the same seed are paired; a *cell* "
+        "is a world, a team size and a radio.",
+        "",
+        "- *ratio*: time of the strategy of this project over that of the other; below 1 it is "
+        "faster. It is the factor at which the signed ranks of all cells, added by repetition, "
+        "favour neither; the 95 % interval inverts this test. Its sample is the repetitions, not "
+        "the pairs: it applies to these worlds with other starts.",
+        "- *p*: two-sided, of the same test.",
+        "- *mean*: geometric mean of the ratios of the cells' medians.",
+        "- *faster in*, *slower in*: cells with a significant difference, tested one by one with "
+        "Holm's correction over all cells of a row.",
+        f"- Rows without *p* have fewer than {FEWEST_SEEDS} repetitions: no interval and no test.",
+        "- *(best)*: the strategy of the papers with the lowest geometric mean of its cells' "
+        "medians, in those repetitions that all of them have.",
+        "- A run that failed (not complete, or less than 99 % covered) counts with twice the "
+        "longest time of its cell.",
         "",
     ]
     if TURNING in present:
@@ -353,7 +359,7 @@ def page(runs: pd.DataFrame) -> list[str]:
         part = runs[runs["radio"] == radio]
         if part.empty:
             continue
-        lines += [f"## With {radio} radio", ""]
+        lines += [f"## With {NAMED[radio]} radio", ""]
         for quantity, words in QUANTITIES.items():
             best = best_of(part, papers, quantity)
             rows = [
@@ -404,15 +410,15 @@ TRIED: Final = (
     "change; the pages of the strategies tell in which worlds.",
     "",
     "- Knowing beforehand the area that a scan at each frontier will show: not faster "
-    "([gain](../algorithms/gain.md#the-effect-of-tours-and-of-keeping-goals)). Guessing rooms and "
-    "corridors beyond frontiers can bring no more than this.",
+    "([gain](../algorithms/gain.md#the-effect-of-tours-and-of-keeping-goals)). A prediction of "
+    "rooms and corridors that only replaces this area is not expected to help either.",
     "- More frequent scans or choices: at best 0.99 of the time, with up to 2.5 times the "
     "computing time.",
     "- Path lengths only to where most of the area beyond a frontier is in sight: 1.05, with one "
     "robot.",
     "- Assigning frontiers by the shortest longest tour, or going along the shortest tour without "
     "values: 1.04 and 1.06 of the time of `gain` without tours, or about 1.1 of that with them.",
-    "- Routes of the whole team over all frontiers ([routes](../algorithms/routes.md)): 0.99 of "
+    "- Routes of the whole team ([routes](../algorithms/routes.md)): 0.99 of "
     "the time of `gain` where the parameters were chosen, no faster in other worlds, and slower "
     "with a limited radio.",
     "",
@@ -431,6 +437,31 @@ COLUMNS: Final = (
     "faster in",
     "slower in",
 )
+
+
+def _teams(runs: pd.DataFrame) -> str:
+    """Return the team sizes with each radio."""
+    sizes = {radio: sorted(part["robots"].unique()) for radio, part in runs.groupby("radio")}
+    return " and ".join(
+        f"{joined([str(size) for size in sizes[radio]])} robots with {words} radio"
+        for radio, words in ((FULL, "unlimited"), (LIMITED, "limited (10 m, walls block)"))
+        if radio in sizes
+    )
+
+
+def _in_words(runs: pd.DataFrame, ours: Sequence[str], papers: Sequence[str]) -> list[str]:
+    """Return the result of each strategy of this project in a sentence."""
+    said = []
+    for radio, part in runs.groupby("radio", sort=True):
+        best = best_of(part, papers, TIME)
+        ratios = [(name, compared(part, name, best, TIME).ratio.value) for name in ours]
+        needs = joined([f"`{name}` needs {ratio:.2f}" for name, ratio in ratios])
+        said.append(
+            f"With {NAMED[str(radio)]} radio {needs} of the time of `{best}`, the best strategy of "
+            "the papers, to cover 99 %."
+        )
+    trees = "[compared with `gain`](../algorithms/multi-srt.md#results)"
+    return [f"{' '.join(said)} The SRT family is {trees} on another page.", ""]
 
 
 def _repetitions(runs: pd.DataFrame) -> str:
@@ -477,9 +508,10 @@ def _regrets(runs: pd.DataFrame, names: Sequence[str]) -> list[str]:
         return []
     regrets = dict(list(known.groupby(["radio", "strategy"])["over_informed"]))
     rows = [
-        (*key, *(f"{regrets[key].quantile(share):.2f}" for share in (0.5, 0.25, 0.75)))
-        for key in product((FULL, LIMITED), names)
-        if key in regrets
+        (NAMED[radio], name, *(f"{found.quantile(share):.2f}" for share in (0.5, 0.25, 0.75)))
+        for radio, name in product((FULL, LIMITED), names)
+        for found in [regrets.get((radio, name))]
+        if found is not None
     ]
     return [
         "## Compared with a team that knows the map",

@@ -120,7 +120,7 @@ def test_the_page_compares_with_the_best():
     text = "\n".join(page(made(TIMES)))
     assert "\n| gain | utility (best) |" in text
     assert "in each cell, which is known only afterwards, the mean of `gain` is 0.8" in text
-    assert "\n| full | gain | 1.14 | 1.14 | 1.14 |" in text
+    assert "\n| unlimited | gain | 1.14 | 1.14 | 1.14 |" in text
 
 
 def test_the_better_of_ours_in_each_cell_is_told_if_there_are_two():
@@ -150,8 +150,8 @@ def test_two_strategies_may_be_repeated_more_often_in_a_store_of_their_own():
     assert set(of_all(runs, ["gain", "minpos", "utility"])["seed"]) == {0, 1}
     assert set(of_all(runs, ["gain", "utility"])["seed"]) == set(range(12))
     text = "\n".join(page(runs))
-    assert "2 repetitions of all strategies, 12 of `gain`, 12 of `utility`;" in text
-    full = text[text.index("With full radio") : text.index("By team size")]
+    assert "2 repetitions of all strategies, 12 of `gain`, 12 of `utility`." in text
+    full = text[text.index("## With unlimited radio") : text.index("By team size")]
     assert [row.split(" | ")[5] for row in full.splitlines() if "utility" in row] == ["48", "48"]
 
 

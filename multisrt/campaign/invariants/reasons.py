@@ -27,7 +27,7 @@ SLACK_S: Final = 30.0
 
 
 def incomplete_for_a_reason(run: JudgedRun) -> Violation | None:
-    """Check that a robot that ends incomplete has a known reason, and no time if it says so.
+    """Check that robots end incomplete only for known reasons, and out of time only with none left.
 
     The reasons are that it is boxed in, that bodies stand in the way, that no time is left for
     another target and the way home, that no goal is left from which a chain of relays reaches the

@@ -21,15 +21,15 @@ __all__ = ["WITNESSED", "Witness"]
 
 WITNESSED: Final = MappingProxyType(
     {
-        TOLD: "Robots are told of themselves, before they begin, what the spec says.",
-        ARRIVALS: "Messages are received once, by those that they are for, and when the radio "
-        "says.",
-        NEWS: "Robots learn nodes from messages that they receive; the base station from all that "
-        "reach it.",
+        TOLD: "The data sheet that a robot is given before it begins is what the spec says.",
+        ARRIVALS: "Each message is received once, by its addressees only, at the time that the "
+        "radio model defines.",
+        NEWS: "Robots learn only nodes that reached them in messages; the base station learns all "
+        "of them.",
         SCANS: "Range finders measure the distances to walls, from where robots are.",
-        SIGHTINGS: "Robots see the bodies that are in sight, as and where these are, and are told "
-        "by which one they were stopped.",
-        OVER: "A run ends when all robots have, and no message is on its way.",
+        SIGHTINGS: "Robots see the bodies in sight, at their true places, and are told which one "
+        "stopped them.",
+        OVER: "A run ends when all robots have ended and no message is on its way.",
     }
 )
 """Invariants that the witness judges, with their descriptions."""

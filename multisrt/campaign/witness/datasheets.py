@@ -1,4 +1,4 @@
-"""What robots are told of themselves before they begin is what the spec says."""
+"""The data sheets that robots are given before they begin are what the spec says."""
 
 from __future__ import annotations
 

@@ -384,7 +384,7 @@ class Chain:
             return None
         front = self.front
         return self._errand_at(
-            place, f"at link {place[0]:.1f}, {place[1]:.1f} of robot {front}", front
+            place, f"stands at ({place[0]:.1f}, {place[1]:.1f}) for robot {front}", front
         )
 
     def stand_by(self) -> Errand | None:
@@ -392,7 +392,7 @@ class Chain:
         if not self.is_led:
             return None
         front = self.front
-        return self._errand_at(None, f"by, to be called by robot {front}", front)
+        return self._errand_at(None, f"waits to be called by robot {front}", front)
 
     def _errand_at(self, place: Place | None, why: str, front: int) -> Errand:
         teammates, revision = self._team.teammates, self._map.raster.revision

@@ -23,27 +23,27 @@ def errand_now(robot: FrontierRobot) -> Errand | None:
     if found is not None or robot.pursuit is None or robot.team.requests.meet:
         return found
     if robot.homing is not None and robot.homing.chain is not None:
-        # A robot that goes after a teammate breaks the chain.
+        # A robot that pursues a teammate breaks the chain.
         return None
     return robot.pursuit.errand()
 
 
 def news_errand(robot: FrontierRobot, homing: FrontierHoming) -> Errand | None:
     """Return the errand that delivers data, or to the partner that does."""
-    why = homing.reason(robot.course) if robot.team.carries else None
+    why = homing.reason() if robot.team.carries else None
     if why is not None:
         robot.team.requests.meet = False
-        return homing.errand(robot.course, why)
+        return homing.errand(why)
     if homing.chain is not None:
         return homing.chain.follow()
     pair = homing.pair
-    if robot.team.requests.meet or not homing.meets_now(robot.course):
+    if robot.team.requests.meet or not homing.update_meeting():
         return None
     if pair.role is Role.RELAY and pair.stage is Stage.UNTIL_DUE:
         if homing.may_deliver():
-            return homing.errand(robot.course, f"it carries the data of robot {pair.partner}")
+            return homing.errand(f"it carries the data of robot {pair.partner}")
         pair.set_out()
-    return homing.meeting(robot.course)
+    return homing.meeting()
 
 
 def agree(robot: FrontierRobot, homing: FrontierHoming, following: Place | None) -> Steps:
@@ -63,7 +63,7 @@ def agree(robot: FrontierRobot, homing: FrontierHoming, following: Place | None)
     if not pair.may_meet:
         return
     assert pair.partner is not None
-    proposal = homing.propose(robot.course, following)
+    proposal = homing.propose(following)
     for _ in range(MAX_PROPOSALS):
         have = robot.map.entries.counts()
         yield Send(msgspec.structs.replace(proposal, have=have), pair.partner)

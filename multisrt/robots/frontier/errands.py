@@ -17,8 +17,8 @@ touch, stand as a relay, or wait for relays."""
 WHAT: Final = {
     "home": "goes home",
     "meet": "goes to meet its partner",
-    "pursue": "goes after a teammate",
-    "link": "stands",
+    "pursue": "pursues a teammate",
+    "link": "serves the chain",
     "wait": "waits",
 }
 """What a robot does on each kind of errand, in the words of recordings."""

@@ -215,7 +215,7 @@ class FrontierExplorer:
             event = self.why_no_goal()
             if event in (Event.EXPLORED, Event.BOXED_IN) and homing.has_left_out:
                 why, event = left_out(homing)
-        elif homing.fits(robot.course, goal):
+        elif homing.fits(goal):
             event = Event.GOAL
         else:
             robot.set_goal(None)
@@ -237,7 +237,7 @@ class FrontierExplorer:
             yield from robot.tell_when_complete()
         if not is_done or self.progress.is_jammed or not homing.may_deliver():
             return event
-        return (yield from self.set_out(homing.errand(robot.course, why)))
+        return (yield from self.set_out(homing.errand(why)))
 
     def weigh_chain(self, chain: Chain, goal: Goal | None, event: Event) -> Errand | None:
         """Return what a robot of a chain has to wait for, before its goal or without one."""

@@ -18,7 +18,6 @@ from multisrt.geometry.grids.grid_path import shortest_path
 from multisrt.geometry.numerics.arrays import BoolArray, FloatArray
 from multisrt.geometry.numerics.distances import length_of
 from multisrt.robots.explorer import RobotSelf
-from multisrt.robots.frontier.course import Course
 from multisrt.robots.frontier.fields import indices_of
 from multisrt.robots.frontier.goal import Goal, Place
 from multisrt.robots.frontier.path_finder import PathFinder
@@ -124,12 +123,12 @@ class HomePaths:
                 return np.vstack([shortest_path(field, index[0]), [place]])
         return None
 
-    def goal_home(self, course: Course) -> Goal | None:
+    def goal_home(self, here: Place) -> Goal | None:
         """Return where to go for the base station to hear the robot, around bodies.
 
         Parameters
         ----------
-        course : Course
+        here : (x, y)
             Where the robot is.
 
         Returns
@@ -137,7 +136,7 @@ class HomePaths:
         Goal or None
             None if no path is free.
         """
-        raster, here = self._map.raster, course.at[:2]
+        raster = self._map.raster
         if self._hears(here):
             return Goal(*here, np.array([here]), 0.0)
         places = list(self._standing_places())

@@ -114,26 +114,26 @@ class FrontierHoming:
 
     # When -----------------------------------------------------------------------------------
 
-    def must_interrupt(self, course: Course) -> bool:
+    def must_interrupt(self) -> bool:
         """Return whether the robot must end what it does, to go home or to meet its partner."""
-        if self._team.carries and self.reason(course) is not None:
+        if self._team.carries and self.reason() is not None:
             return True
-        return self.meets_now(course)
+        return self.update_meeting()
 
-    def reason(self, course: Course) -> str | None:
+    def reason(self) -> str | None:
         """Return why the robot is to go home now, in words; None if there is no reason.
 
         Whether the robot carries anything is not checked.
         """
         if not self._may_be_heard or (self.chain is not None and self._team.is_in_touch):
             return None
-        if self._is_late(course):
+        if self._is_late():
             return f"the limit of {self.time.limit_s:g} s leaves time for the way home only"
         if (
             self._goes_if_worth
             and not self._team.is_in_touch
             and self._is_trip_worthwhile()
-            and math.isfinite(self._home_paths.length_from(course.at[:2]))
+            and math.isfinite(self._home_paths.length_from(self._course.at[:2]))
         ):
             share = self._options.home_ratio
             return f"the base station knows less than {share:.0%} of what it knows"
@@ -168,18 +168,16 @@ class FrontierHoming:
             return False
         return math.isfinite(self._home_paths.length_from(self._course.at[:2]))
 
-    def fits(self, course: Course, goal: Goal) -> bool:
+    def fits(self, goal: Goal) -> bool:
         """Return whether the robot may choose a goal; see `only_fitting`."""
-        fitting = self.only_fitting(course, np.array([goal.place]), np.array([goal.cost_m]))
+        fitting = self.only_fitting(np.array([goal.place]), np.array([goal.cost_m]))
         return bool(np.isfinite(fitting[0]))
 
-    def in_time(self, course: Course, places: FloatArray, costs_m: FloatArray) -> BoolArray:
+    def in_time(self, places: FloatArray, costs_m: FloatArray) -> BoolArray:
         """Return whether there is time to go to places, and home from each.
 
         Parameters
         ----------
-        course : Course
-            Where the robot is.
         places : (m, 2) array
             Places in passable cells, in metres.
         costs_m : (m,) array
@@ -194,14 +192,14 @@ class FrontierHoming:
         """
         if math.isinf(self.time.limit_s) or not self._may_be_heard:
             return np.ones(len(places), np.bool_)
-        out_s = course.time_s + costs_m / self.time.speed_m_s
+        out_s = self._course.time_s + costs_m / self.time.speed_m_s
         lengths = self._home_paths.lengths(places)
         trips = zip(out_s.tolist(), lengths.tolist(), strict=True)
         return np.array(
             [m in (0.0, math.inf) or self._has_time(now_s, m) for now_s, m in trips], np.bool_
         )
 
-    def only_fitting(self, course: Course, places: FloatArray, costs_m: FloatArray) -> FloatArray:
+    def only_fitting(self, places: FloatArray, costs_m: FloatArray) -> FloatArray:
         """Return the lengths of the paths to places, ``inf`` for those that it may not choose.
 
         It may not choose places that there is no time for; in a chain of relays, those from which
@@ -210,15 +208,15 @@ class FrontierHoming:
         """
         # Paths home are kept; they must not lead around the bodies that block paths now.
         with self._map.raster.unblocked():
-            return self._only_fitting(course, places, costs_m)
+            return self._only_fitting(places, costs_m)
 
-    def _only_fitting(self, course: Course, places: FloatArray, costs_m: FloatArray) -> FloatArray:
+    def _only_fitting(self, places: FloatArray, costs_m: FloatArray) -> FloatArray:
         if self.chain is not None:
             fitting = self.chain.only_in_reach(places, costs_m)
             self.has_left_out |= bool((np.isfinite(costs_m) & ~np.isfinite(fitting)).any())
             return fitting
         late = np.isfinite(costs_m)
-        late[late] = ~self.in_time(course, places[late], costs_m[late])
+        late[late] = ~self.in_time(places[late], costs_m[late])
         self.has_left_out |= bool(late.any())
         return np.where(late, np.inf, costs_m)
 
@@ -227,11 +225,11 @@ class FrontierHoming:
         ahead_s = 2.0 * self._options.sense_period_s * self.time.max_slack_loss_rate
         return self.time.slack_s(now_s, home_m) >= ahead_s
 
-    def _is_late(self, course: Course) -> bool:
-        now_s = course.time_s
+    def _is_late(self) -> bool:
+        now_s = self._course.time_s
         if now_s < self._in_time_s:
             return False
-        home_m = self._home_paths.length_from(course.at[:2])
+        home_m = self._home_paths.length_from(self._course.at[:2])
         if home_m in (0.0, math.inf):
             return False
         if not self._has_time(now_s, home_m):
@@ -251,23 +249,26 @@ class FrontierHoming:
 
     # Pairs ----------------------------------------------------------------------------------
 
-    def meets_now(self, course: Course) -> bool:
-        """Return whether the robot is on an errand of its pair, or has to set out for one now."""
+    def update_meeting(self) -> bool:
+        """Set out for the rendezvous if it is time; return whether the robot is on its way there.
+
+        A relay is whenever it knows a path there.
+        """
         pair = self.pair
         if pair.role is Role.ALONE:
             return False
         if pair.role is Role.RELAY:
-            return self._knows_path_home() and self.knows_target(course)
-        if pair.stage is Stage.UNTIL_DUE and self._is_due(course):
+            return self._knows_path_home() and self.knows_target()
+        if pair.stage is Stage.UNTIL_DUE and self._is_due():
             pair.set_out()
         return pair.stage is not Stage.UNTIL_DUE
 
-    def _is_due(self, course: Course) -> bool:
+    def _is_due(self) -> bool:
         """Return whether an explorer has to set out now to meet its relay in time."""
-        now_s = course.time_s
+        now_s = self._course.time_s
         if now_s < self._not_due_s or (self._team.has_nothing_overdue and self.hears_partner()):
             return False
-        length_m = self._home_paths.length_between(course.at[:2], self.pair.target())
+        length_m = self._home_paths.length_between(self._course.at[:2], self.pair.target())
         travel_s = self.time.travel_time_s(length_m)
         left_s = (self.pair.rendezvous.due_s - now_s - travel_s) / self.time.max_slack_loss_rate
         self._not_due_s = now_s + left_s - 2.0 * self._options.sense_period_s
@@ -288,11 +289,12 @@ class FrontierHoming:
         """Return whether the robot is an explorer that is in touch with its relay."""
         return self.pair.role is Role.EXPLORER and self.hears_partner()
 
-    def knows_target(self, course: Course) -> bool:
+    def knows_target(self) -> bool:
         """Return whether the robot knows a path to where it meets its partner."""
-        return math.isfinite(self._home_paths.length_between(course.at[:2], self.pair.target()))
+        here, there = self._course.at[:2], self.pair.target()
+        return math.isfinite(self._home_paths.length_between(here, there))
 
-    def meeting(self, course: Course) -> Errand:
+    def meeting(self) -> Errand:
         """Return the errand to meet the partner, at the place of the present stage."""
         pair, wait_s = self.pair, self._options.home_wait_s
         rendezvous, stage = pair.rendezvous, pair.stage
@@ -310,26 +312,26 @@ class FrontierHoming:
             is_over=lambda: (
                 pair.rendezvous.number != rendezvous.number
                 or not pair.is_paired
-                or (self._team.carries and self.reason(course) is not None)
+                or (self._team.carries and self.reason() is not None)
             ),
             until_s=until_s,
             patience_s=patience_s,
             heard_s=self._partner_heard_s,
         )
 
-    def propose(self, course: Course, place: Place | None) -> RendezvousMessage:
+    def propose(self, place: Place | None) -> RendezvousMessage:
         """Return an explorer's proposal for the next rendezvous, by where it goes next."""
         round_s = 0.0
         if place is not None:
             paths = self._home_paths
-            lengths_m = paths.length_from(course.at[:2]), paths.length_from(place)
+            lengths_m = paths.length_from(self._course.at[:2]), paths.length_from(place)
             if all(map(math.isfinite, lengths_m)):
                 speed_m_s = self._speed_of_slower()
                 travel_s = [self.time.travel_time_s(length, speed_m_s) for length in lengths_m]
                 round_s = sum(travel_s) + self.time.reserve_s
         have = self._map.entries.counts()
         self._not_due_s = -math.inf
-        return self.pair.propose(place, course.time_s, round_s, have, self._team.number)
+        return self.pair.propose(place, self._course.time_s, round_s, have, self._team.number)
 
     def _speed_of_slower(self) -> float:
         """Return the speed of the slower robot of the pair, in metres per second."""
@@ -341,12 +343,12 @@ class FrontierHoming:
 
     # Where ----------------------------------------------------------------------------------
 
-    def errand(self, course: Course, why: str) -> Errand:
+    def errand(self, why: str) -> Errand:
         """Return the errand to deliver what the robot carries."""
         return Errand(
             kind="home",
             why=why,
-            goal=self._home_paths.goal_home(course),
+            goal=self._home_paths.goal_home(self._course.at[:2]),
             is_over=lambda: not self._team.carries,
             patience_s=self._options.home_wait_s,
         )

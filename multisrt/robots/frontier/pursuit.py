@@ -168,7 +168,7 @@ class Pursuit:
         return not counts_beyond(quarry.carried, have)
 
     def _is_over(self, quarry: Quarry) -> bool:
-        is_called = self._homing is not None and self._homing.must_interrupt(self._course)
+        is_called = self._homing is not None and self._homing.must_interrupt()
         return is_called or self._knows(quarry)
 
     def _is_absent(self, report: RobotReport) -> bool:
@@ -292,7 +292,7 @@ class Pursuit:
             centres = np.array([raster.centre_of(*cell) for cell in near if cell is not None])
             costs_m = field.distance(indices_of(raster, centres))
             if self._homing is not None:
-                costs_m = self._homing.only_fitting(self._course, centres, costs_m)
+                costs_m = self._homing.only_fitting(centres, costs_m)
         since_now_s = self._course.time_s - since_s
         arrivals[usable] = (since_now_s + costs_m / self._speed_m_s) / self._options.pursue_step_s
         return arrivals

@@ -218,7 +218,7 @@ class FrontierRobot:
         costs_m = field.distance(self.indices_of(places))
         if self.homing is None:
             return costs_m
-        return self.homing.only_fitting(self.course, places, costs_m)
+        return self.homing.only_fitting(places, costs_m)
 
     def goal_at(self, field: DistanceField, x: float, y: float) -> Goal:
         """Return a place as a goal, with the path to it; see `PathFinder.goal_at`."""
@@ -267,7 +267,7 @@ class FrontierRobot:
 
     def is_called_home(self) -> bool:
         """Return whether the robot must end its drive to deliver data or to meet its partner."""
-        return self.homing is not None and self.homing.must_interrupt(self.course)
+        return self.homing is not None and self.homing.must_interrupt()
 
     def driven_body(self) -> PlanningBody:
         """Return the body for which legs are planned.

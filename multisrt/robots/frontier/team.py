@@ -340,7 +340,7 @@ class Team(Listener):
         if message.wants_goal and self.answer is not None:
             yield from self.answer(message.sender)
         own = message.reports[0]
-        if message.asks or self._owes_report(own):
+        if message.asks or self._take_report_turn(own):
             yield from self.report(to=message.sender, answers=message.asks)
         if own.have != self._entries.counts():
             yield from self._ask_for_missing(own.robot, own.have)
@@ -430,8 +430,8 @@ class Team(Listener):
         other = Claim(asked.sender, leader=True, cornered=asked.firm)
         return leader_of([own, other]) == self.number
 
-    def _owes_report(self, report: RobotReport) -> bool:
-        """Whether to report to a robot that lacks nodes, and record that it is done.
+    def _take_report_turn(self, report: RobotReport) -> bool:
+        """Return whether to report to a robot that lacks nodes, and if so note the time.
 
         A robot with nothing to do does not report unasked, so the other would not hear of them.
         """

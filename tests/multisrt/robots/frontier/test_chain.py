@@ -81,7 +81,7 @@ def links_of(recording):
     """The places at which robots stood as relays: by time, robot, x."""
     found = []
     for e in recording.of(Decided):
-        at = re.match(r"stands: at link ([\d.]+),", e.text)
+        at = re.match(r"serves the chain: stands at \(([\d.]+),", e.text)
         if at:
             found.append((e.time_s, e.robot, float(at[1])))
     return found
@@ -162,7 +162,9 @@ def test_behind_walls_links_are_lines_of_sight():
     assert metrics.delivered_coverage == pytest.approx(metrics.coverage, abs=1e-9)
     assert metrics.coverage > 0.97
     assert metrics.collisions == 0
-    stood = {(e.robot, e.goal) for e in recording.of(Decided) if "stands: at link" in e.text}
+    stood = {
+        (e.robot, e.goal) for e in recording.of(Decided) if "serves the chain: stands" in e.text
+    }
     assert stood
     for _, (x, y) in stood:
         sight = shapely.LineString([(1.0, 1.2), (x, y)])
@@ -218,7 +220,7 @@ def test_a_front_that_dies_is_followed_by_the_next():
     assert metrics.delivered_coverage == pytest.approx(metrics.coverage, abs=1e-9)
     assert any(other == 0 for _, other in lost(recording))
     # Robot 1 goes on, with two relays.
-    called = [e for e in recording.of(Decided) if e.text.endswith("of robot 1")]
+    called = [e for e in recording.of(Decided) if e.text.endswith("for robot 1")]
     assert called
     assert all(e.robot > 1 for e in called)
 
@@ -417,12 +419,12 @@ def test_a_robot_that_is_late_three_times_is_not_called_again():
     front.team.teammates.take(report_of(front, 1, (4.0, 1.2)))
     chain = front.homing.chain
     for late in range(1, 4):
-        assert front.homing.fits(front.course, goal_at(15.0)), late
+        assert front.homing.fits(goal_at(15.0)), late
         assert chain.call(goal_at(15.0)) is not None
         # It was heard, and is not lost.
         assert chain.note_missed() == []
-    assert not front.homing.fits(front.course, goal_at(15.0))
-    assert front.homing.fits(front.course, goal_at(8.0))
+    assert not front.homing.fits(goal_at(15.0))
+    assert front.homing.fits(goal_at(8.0))
 
 
 def test_a_front_with_nothing_to_do_passes_the_front_on():
@@ -517,7 +519,7 @@ def test_a_front_that_fits_nowhere_does_not_keep_the_others_from_exploring():
     )
     # Robot 0 cannot pass the gap at x = 8: of the others two are relays.
     assert measure(recording, GAP).coverage > (3 * LINK_M - 2.0) / 60.0
-    fronts = [e.text[-1] for e in recording.of(Decided) if "stands: at link" in e.text]
+    fronts = [e.text[-1] for e in recording.of(Decided) if "serves the chain: stands" in e.text]
     # Each of the three has its turn, as the one before has nothing to do any more.
     assert [front for front, _ in itertools.groupby(fronts)] == ["1", "2", "3"]
     assert recording.footer.outcome == "stalled"

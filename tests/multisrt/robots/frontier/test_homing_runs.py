@@ -219,11 +219,11 @@ def test_who_was_not_heard_goes_nearer_to_the_base_until_it_is_heard_again():
     homing, team = robot.homing, robot.team
 
     def ends_at():
-        return homing.errand(robot.course, "").goal.place[0]
+        return homing.errand("").goal.place[0]
 
     # The base station at x = 1 hears it at 3 m, less 5 cm.
     assert ends_at() == pytest.approx(3.95, abs=0.1)
-    assert homing.in_time(robot.course, np.array([[13.5, 0.6]]), np.array([0.0]))[0]
+    assert homing.in_time(np.array([[13.5, 0.6]]), np.array([0.0]))[0]
     robot.course.time_s = 50.0
     homing.note_unheard(50.0)
     assert ends_at() == pytest.approx(1.0, abs=0.2)
@@ -283,7 +283,7 @@ def chosen_at(choose, kind, time_s):
     goal = finished(choose(robot, Event.START), notes)
     assert all(isinstance(note, Note) for note in notes)
     assert robot.homing.has_left_out is (time_s > 31.75)
-    assert goal is None or robot.homing.fits(robot.course, goal)
+    assert goal is None or robot.homing.fits(goal)
     return goal
 
 
@@ -310,7 +310,7 @@ def test_random_goals_are_among_those_that_there_is_time_for():
         rules = Rules()
         rules.in_vain = 99
         goal = finished(rules.choose(robot, Event.NO_WAY), [])
-        assert robot.homing.fits(robot.course, goal)
+        assert robot.homing.fits(goal)
         chosen.append(rules.wanders)
     assert any(chosen)
 

@@ -100,7 +100,7 @@ def test_a_teammate_that_can_take_one_end_is_pursued_to_where_it_goes():
     # is 24 m to the farther end.
     after, before = lengths_of(errand)
     assert (after, before) == (pytest.approx(28.5, abs=0.6), pytest.approx(60.0, abs=0.6))
-    assert errand.what == "goes after a teammate"
+    assert errand.what == "pursues a teammate"
     assert errand.purpose == "support"
 
 
@@ -239,7 +239,7 @@ def run_with(rule="minpos", *, environment=OFFICE, seed=1, faults=(), robots=3, 
 
 
 def pursuits(recording):
-    return [e for e in recording.of(Decided) if "goes after a teammate" in e.text]
+    return [e for e in recording.of(Decided) if "pursues a teammate" in e.text]
 
 
 def test_who_is_pursued_learns_what_the_other_knew():

@@ -21,7 +21,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import pairwise, takewhile
 
 import numpy as np
@@ -300,8 +300,7 @@ class Chain:
         Otherwise, as they leave for other places, it goes back towards the nearest of these, or the
         base station, until it is linked with it.
         """
-        here = self._course.at[:2]
-        stays = Goal(*here, np.array([here]), 0.0)
+        here, stays = self._course.at[:2], self._here()
         anchors = [*(link.place for link in reversed(self._team.links or ())), self._base]
         if any(self.linked(np.array([here]), anchor)[0] for anchor in anchors):
             return stays
@@ -350,7 +349,10 @@ class Chain:
         reports, links = self._team.teammates.reports, []
         for place in places:
             if place not in held:
-                nearest = min(free, key=lambda n: (self._length(reports[n].place[:2], place), n))
+                nearest = min(
+                    free,
+                    key=lambda n: (self._home_paths.length_between(reports[n].place[:2], place), n),
+                )
                 held[place] = nearest
                 free.remove(nearest)
             links.append(ChainLink(robot=held[place], place=place))
@@ -367,13 +369,10 @@ class Chain:
 
     def _travel_time_s(self, link: ChainLink) -> float:
         report = self._team.teammates.reports[link.robot]
-        length_m = self._length(report.place[:2], link.place)
+        length_m = self._home_paths.length_between(report.place[:2], link.place)
         if math.isinf(length_m):
             return 0.0
         return self._time.travel_time_s(length_m, report.speed_m_s)
-
-    def _length(self, here: Place, there: Place) -> float:
-        return self._home_paths.length_between(here, there)
 
     # A relay --------------------------------------------------------------------------------
 
@@ -382,54 +381,75 @@ class Chain:
         place = self.own_link
         if place is None:
             return None
-        front = self.front
-        return self._errand_at(
-            place, f"stands at ({place[0]:.1f}, {place[1]:.1f}) for robot {front}", front
+        front, wait_s = self.front, self._options.home_wait_s
+        why = f"stands at ({place[0]:.1f}, {place[1]:.1f}) for robot {front}"
+        unheard_s = self._unheard_s(front)
+        if unheard_s >= MAX_UNHEARD * wait_s:
+            # It is kept from its place, as by robots that do not let it pass.
+            return self._serve(front, why, self._here(), 0.0)
+        goal = self._home_paths.goal_near(place)
+        if goal is not None:
+            return self._serve(front, why, goal, wait_s)
+        # Where all paths are barred it waits for one: its front goes on without it in the end.
+        patience_s = wait_s if unheard_s < wait_s else 0.0
+        return self._serve(
+            front, why, None, patience_s, lambda: self._home_paths.goal_near(place) is not None
         )
 
     def stand_by(self) -> Errand | None:
-        """Return the errand of a robot that has no goal: to wait until the front calls it."""
+        """Return the errand of a robot that has no goal: to wait until the front calls it.
+
+        One that is jammed stands by though it is called.
+        """
         if not self.is_led:
             return None
-        front = self.front
-        return self._errand_at(None, f"waits to be called by robot {front}", front)
+        front, wait_s = self.front, self._options.home_wait_s
+        revision = self._map.raster.revision
+        patience_s = wait_s if self._unheard_s(front) < wait_s else 0.0
+        return self._serve(
+            front,
+            f"waits to be called by robot {front}",
+            self._here(),
+            patience_s,
+            # It may have a goal, with what is new.
+            lambda: self._has_goal_since(revision),
+        )
 
-    def _errand_at(self, place: Place | None, why: str, front: int) -> Errand:
-        teammates, revision = self._team.teammates, self._map.raster.revision
-        # One that is jammed stands by though it is called.
+    def _serve(
+        self,
+        front: int,
+        why: str,
+        goal: Goal | None,
+        patience_s: float,
+        may_leave: Callable[[], bool] = lambda: False,
+    ) -> Errand:
+        """Return an errand for a front, which is over when that needs the robot no more."""
         called = self.own_link
-        now_s, wait_s = self._course.time_s, self._options.home_wait_s
-        if self._follows != front:
-            self._follows, self._follows_since_s = front, now_s
-        at = self._course.at[:2]
-        here = Goal(*at, np.array([at]), 0.0)
-        goal = here if place is None else self._home_paths.goal_near(place)
-        # Who stays where it is and is interrupted again and again gets no new patience each time.
-        unheard_s = now_s - max(teammates.last_heard_s(front), self._follows_since_s)
-        is_patient = (place is not None and goal is not None) or unheard_s < wait_s
-        if unheard_s >= MAX_UNHEARD * wait_s:
-            # It is kept from its place, as by robots that do not let it pass.
-            goal, is_patient = here, False
         return Errand(
             kind="link",
             why=why,
-            # Where all paths are barred it waits for one: its front goes on without it in the end.
-            goal=goal or here,
+            goal=goal or self._here(),
             is_barred=goal is None,
             is_over=lambda: (
-                self.front != front
-                or not self.is_led
-                or self.own_link != called
-                or (goal is None and place is not None and self._has_path_near(place))
-                # Who stands by may have a goal, with what is new.
-                or (place is None and self._has_goal_since(revision))
+                self.front != front or not self.is_led or self.own_link != called or may_leave()
             ),
-            patience_s=wait_s if is_patient else 0.0,
-            heard_s=lambda: teammates.last_heard_s(front),
+            patience_s=patience_s,
+            heard_s=lambda: self._team.teammates.last_heard_s(front),
         )
 
-    def _has_path_near(self, place: Place) -> bool:
-        return self._home_paths.goal_near(place) is not None
+    def _here(self) -> Goal:
+        at = self._course.at[:2]
+        return Goal(*at, np.array([at]), 0.0)
+
+    def _unheard_s(self, front: int) -> float:
+        """Return for how long a front was not heard, or the robot has followed it if that is less.
+
+        Who stays where it is and is interrupted again and again gets no new patience each time.
+        """
+        now_s = self._course.time_s
+        if self._follows != front:
+            self._follows, self._follows_since_s = front, now_s
+        return now_s - max(self._team.teammates.last_heard_s(front), self._follows_since_s)
 
     def _has_goal_since(self, revision: int) -> bool:
         """Return whether the map is new since a revision and there is a frontier in reach."""

@@ -14,6 +14,7 @@ from pathlib import Path
 
 import bidding
 import gallery
+import own
 import papers
 import runs
 import teams
@@ -23,7 +24,7 @@ import worlds
 PICTURES = Path(__file__).resolve().parents[1] / "pictures"
 FIGURES: dict[str, dict[str, Callable[[], str]]] = {
     "": runs.FIGURES,
-    "algorithms": {**trees.FIGURES, **teams.FIGURES, **bidding.FIGURES},
+    "algorithms": {**trees.FIGURES, **teams.FIGURES, **bidding.FIGURES, **own.FIGURES},
     "gallery": {**gallery.FIGURES, **worlds.FIGURES},
     "figures": papers.FIGURES,
 }

@@ -29,7 +29,7 @@ from multisrt.campaign.invariants.completeness import (
 )
 from multisrt.campaign.invariants.decisions import goals_by_rule
 from multisrt.campaign.invariants.endings import ends
-from multisrt.campaign.invariants.free_space import free_is_free
+from multisrt.campaign.invariants.free_space import known_free_is_free
 from multisrt.campaign.invariants.hearing import hearers_learn
 from multisrt.campaign.invariants.knowledge import knowledge_by_scan_or_message
 from multisrt.campaign.invariants.links import (
@@ -38,7 +38,7 @@ from multisrt.campaign.invariants.links import (
     reaches_all_in_reach,
 )
 from multisrt.campaign.invariants.measures import measures_consistent
-from multisrt.campaign.invariants.merging import closings_are_for_some, merge_order
+from multisrt.campaign.invariants.merging import closings_apply_where_valid, merge_order
 from multisrt.campaign.invariants.motion import (
     motion_at_full_speed,
     motion_continuous,
@@ -46,7 +46,7 @@ from multisrt.campaign.invariants.motion import (
     stops_before_bodies,
 )
 from multisrt.campaign.invariants.progress import drives_get_somewhere
-from multisrt.campaign.invariants.reasons import incomplete_for_a_reason
+from multisrt.campaign.invariants.reasons import boxed_in_after_attempts, incomplete_for_a_reason
 from multisrt.campaign.invariants.returning import (
     data_is_returned,
     ends_at_home,
@@ -71,14 +71,14 @@ INVARIANTS: Final[Mapping[str, Invariant]] = MappingProxyType(
         "motion-at-full-speed": motion_at_full_speed,
         "stops-before-bodies": stops_before_bodies,
         "no-collision": no_collision,
-        "known-free-is-free": free_is_free,
+        "known-free-is-free": known_free_is_free,
         "messages-over-links": messages_over_links,
         "reaches-all-in-reach": reaches_all_in_reach,
         "losses-at-rate": losses_at_rate,
         "knowledge-by-scan-or-message": knowledge_by_scan_or_message,
         "hearers-learn": hearers_learn,
         "merge-order": merge_order,
-        "closings-apply-where-valid": closings_are_for_some,
+        "closings-apply-where-valid": closings_apply_where_valid,
         "goals-by-rule": goals_by_rule,
         "data-is-returned": data_is_returned,
         "turns-back-in-time": turns_back_in_time,
@@ -87,6 +87,7 @@ INVARIANTS: Final[Mapping[str, Invariant]] = MappingProxyType(
         "boxed-in-is-boxed-in": boxed_in_is_boxed_in,
         "chain-reaches-no-goal": chain_reaches_no_goal,
         "incomplete-for-a-reason": incomplete_for_a_reason,
+        "boxed-in-after-attempts": boxed_in_after_attempts,
         "waits-within-limits": waits_within_limits,
         "drives-get-somewhere": drives_get_somewhere,
         "measures-consistent": measures_consistent,

@@ -32,7 +32,7 @@ RANGE_M: Final = 1e-3
 """Maximum reach of a region beyond the range, in metres."""
 
 
-def free_is_free(run: JudgedRun) -> Violation | None:
+def known_free_is_free(run: JudgedRun) -> Violation | None:
     """Check that recorded regions lie in the true free space and are visible from their scan.
 
     Every region is star-shaped about the place of its scan, to 1e-5 m, so all of it was visible. It

@@ -51,7 +51,7 @@ def merge_order(run: JudgedRun) -> Violation | None:
     return None
 
 
-def closings_are_for_some(run: JudgedRun) -> Violation | None:
+def closings_apply_where_valid(run: JudgedRun) -> Violation | None:
     """Check that a robot omits arcs closed by others only if their reason applies to it.
 
     For the nodes and closings of `merge_order`: an arc that another robot closed as not reachable,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import Final
 
 import shapely
@@ -10,11 +11,15 @@ import shapely
 from multisrt.campaign.invariants.completeness import IN_THE_WAY
 from multisrt.campaign.judged_run import JudgedRun
 from multisrt.campaign.violations import Violation, quoted
-from multisrt.events import Ended
+from multisrt.events import Blocked, Coordinated, Decision, Ended
 from multisrt.planners.home_options import NO_TIME_LEFT
-from multisrt.robots.naming import NO_CHAIN
+from multisrt.robots.naming import NO_CHAIN, WALLED_IN
 
 NAME: Final = "incomplete-for-a-reason"
+ATTEMPTS: Final = "boxed-in-after-attempts"
+
+BOXED_IN: Final = "boxed in"
+"""How the reason of a robot begins that is boxed in."""
 
 NO_TARGET: Final = "the planner has no target"
 """How that of a robot of the SRT family begins that leaves frontier, with `complete=false`."""
@@ -49,6 +54,41 @@ def incomplete_for_a_reason(run: JudgedRun) -> Violation | None:
     return None
 
 
+def boxed_in_after_attempts(run: JudgedRun) -> Violation | None:
+    """Check that a robot of the SRT family is boxed in only after the attempts that it is to make.
+
+    By then at least `gives_up_after` of its motions were stopped, or ordered otherwise by a master;
+    or it stayed where it was, or was stopped, at least `boxed_in_after` times, as there was no
+    path. Not judged are robots that find no motion from their start.
+
+    Cost: negligible.
+    """
+    if run.family != "srt":
+        return None
+    for robot, end in sorted(run.ends.items(), key=lambda item: item[1].time_s):
+        if not end.reason.startswith(BOXED_IN) or end.reason.startswith(WALLED_IN):
+            continue
+        stops = _count(run.recording.of(Blocked), end)
+        orders = _count((o for o in run.recording.of(Coordinated) if o.order != "keep"), end)
+        stays = _count((d for d in run.recording.of(Decision) if d.choice == "stay"), end)
+        if stops + orders >= run.options["gives_up_after"]:
+            continue
+        if stays + stops >= run.options["boxed_in_after"]:
+            continue
+        return Violation(
+            invariant=ATTEMPTS,
+            says=f"robot {robot} ended at {end.time_s:.2f} s ({quoted(end.reason)}), after {stops} "
+            f"stops, {orders} orders and {stays} choices to stay",
+            robot=robot,
+            time_s=end.time_s,
+        )
+    return None
+
+
+def _count(events: Iterable[Blocked | Coordinated | Decision], end: Ended) -> int:
+    return sum(event.robot == end.robot and event.time_s <= end.time_s for event in events)
+
+
 def _wrong(run: JudgedRun, end: Ended) -> str | None:
     if end.reason.startswith(NO_TIME_LEFT):
         left_s = run.recording.spec.stop.max_time_s - end.time_s
@@ -58,7 +98,7 @@ def _wrong(run: JudgedRun, end: Ended) -> str | None:
         return None
     if end.reason.startswith(NO_TARGET):
         return "which must not happen with complete=true" if run.options["complete"] else None
-    is_known = end.reason.startswith(("boxed in", NO_CHAIN)) or IN_THE_WAY in end.reason
+    is_known = end.reason.startswith((BOXED_IN, NO_CHAIN)) or IN_THE_WAY in end.reason
     return None if is_known else "which is no reason to end incomplete"
 
 

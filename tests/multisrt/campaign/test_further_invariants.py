@@ -8,7 +8,16 @@ from multisrt.analysis.measuring import measure_with_curves
 from multisrt.campaign.invariants import INVARIANTS, JudgedRun, measures
 from multisrt.campaign.invariants.open_frontier import _stretches
 from multisrt.environments.environment import Environment
-from multisrt.events import BaseLearned, Blocked, Ended, GoalChosen, Motion, NodeAdded, Sent
+from multisrt.events import (
+    BaseLearned,
+    Blocked,
+    Decision,
+    Ended,
+    GoalChosen,
+    Motion,
+    NodeAdded,
+    Sent,
+)
 from multisrt.simulation.simulate import simulate
 from multisrt.simulation.standstill import NOTHING_NEW
 from multisrt.simulation.worlds import build_environment
@@ -226,3 +235,42 @@ def test_stretches_are_whole_in_collections_too():
     mixed = shapely.GeometryCollection([*lines, shapely.Point(5, 5), shapely.LineString()])
     assert [stretch.length for stretch in _stretches(mixed)] == [2.0]
     assert [stretch.length for stretch in _stretches(shapely.LineString())] == []
+
+
+@pytest.mark.parametrize(
+    ("reason", "stops", "stays", "strategy", "is_found"),
+    [
+        ("boxed in by robot 1, which does not give way", 5, 0, "srt-star", True),
+        ("boxed in by robot 1, which does not give way", 8, 0, "srt-star", False),
+        ("boxed in by robot 1, which does not give way", 0, 5, "srt-star", True),
+        ("boxed in by robot 1, which does not give way", 2, 6, "srt-star", False),
+        ("boxed in by robot 1, which does not give way", 5, 0, "minpos", False),
+        (
+            "boxed in at the start, where the scan shows no way for the body",
+            0,
+            0,
+            "srt-star",
+            False,
+        ),
+        ("every frontier arc is explored or closed", 0, 0, "srt-star", False),
+    ],
+)
+def test_a_robot_is_boxed_in_after_its_attempts(reason, stops, stays, strategy, is_found):
+    at = (0.5, 0.5, 0.0)
+    stopped = [Blocked(time_s=1.0 + k, robot=0, by=1, configuration=at) for k in range(stops)]
+    stayed = [
+        Decision(time_s=2.0 + k, robot=0, node=(0, 0), frontier_m=1.0, choice="stay", target=None)
+        for k in range(stays)
+    ]
+    of_another = [Blocked(time_s=3.0, robot=1, by=0, configuration=at) for _ in range(50)]
+    late = [Blocked(time_s=18.5, robot=0, by=1, configuration=at) for _ in range(50)]
+    end = Ended(time_s=18.0, robot=0, reason=reason, complete=False, frontier=())
+    run = written(
+        [*stopped, *stayed, *of_another, end, *late],
+        starts=(at, (2.5, 0.5, 0.0)),
+        strategy=strategy,
+        options={"boxed_in_after": 8, "gives_up_after": 40} if strategy == "srt-star" else {},
+    )
+    found = says(run, "boxed-in-after-attempts")
+    assert (f"after {stops} stops, 0 orders and {stays} choices to stay" in found) is is_found
+    assert bool(found) is is_found

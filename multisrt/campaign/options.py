@@ -39,6 +39,13 @@ longer than all waits together."""
 SHORTER: Final = (3.0, 12.0)
 """Smallest and largest factor by which they are shorter."""
 
+FEW_ATTEMPTS: Final = 0.15
+"""Share of draws in which all numbers of attempts are small: robots reach the limits of what they
+try, and what they do then."""
+
+FEW: Final = (1, 3)
+"""Smallest and largest number of attempts in these draws."""
+
 NONE: Final = "none"
 """None, as it is written in a spec."""
 
@@ -75,6 +82,8 @@ def draw_options(
     found = {name: value for name, value in found.items() if _takes(strategy, {name: value})}
     if chance.happens(SHORT_WAITS):
         found |= _short_waits(strategy, fields, chance.magnitude(*SHORTER))
+    if chance.happens(FEW_ATTEMPTS):
+        found |= _few_attempts(strategy, fields, found, chance)
     free = [name for name in fields if name not in found]
     for name in chance.some_of(free, min(chance.weighted(NUMBERS), len(free))):
         for _ in range(MAX_TRIES):
@@ -97,6 +106,23 @@ def _short_waits(
         if name.endswith("_s") and not name.endswith("_period_s") and _is_positive(field.default)
     }
     return {name: value for name, value in shorter.items() if _takes(strategy, {name: value})}
+
+
+def _few_attempts(
+    strategy: Strategy,
+    fields: Mapping[str, inspect.Field],
+    given: Mapping[str, Scalar],
+    chance: Chance,
+) -> dict[str, Scalar]:
+    """Return options with small whole numbers in place of all larger ones."""
+    found: dict[str, Scalar] = {}
+    for name, field in fields.items():
+        if name in given or not isinstance(field.type, inspect.IntType) or field.default <= FEW[1]:
+            continue
+        few = {name: chance.whole(*FEW)}
+        if _takes(strategy, {**given, **found, **few}):
+            found |= few
+    return found
 
 
 def _is_positive(default: Any) -> bool:

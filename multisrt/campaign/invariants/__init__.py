@@ -53,7 +53,10 @@ from multisrt.campaign.invariants.returning import (
     turns_back_in_time,
 )
 from multisrt.campaign.invariants.starting import starts_and_faults
-from multisrt.campaign.invariants.waiting import waits_within_limits
+from multisrt.campaign.invariants.waiting import (
+    waits_as_often_as_allowed,
+    waits_within_limits,
+)
 from multisrt.campaign.judged_run import JudgedRun
 from multisrt.campaign.violations import Violation
 
@@ -89,6 +92,7 @@ INVARIANTS: Final[Mapping[str, Invariant]] = MappingProxyType(
         "incomplete-for-a-reason": incomplete_for_a_reason,
         "boxed-in-after-attempts": boxed_in_after_attempts,
         "waits-within-limits": waits_within_limits,
+        "waits-as-often-as-allowed": waits_as_often_as_allowed,
         "drives-get-somewhere": drives_get_somewhere,
         "measures-consistent": measures_consistent,
     }

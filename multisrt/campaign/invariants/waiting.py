@@ -21,12 +21,14 @@ from multisrt.events import (
     NodeAdded,
     Organized,
     PresumedLost,
+    Sensed,
     Sent,
 )
 from multisrt.simulation.standstill import NOTHING_NEW
 from multisrt.spec import Silence
 
 NAME: Final = "waits-within-limits"
+OFTEN: Final = "waits-as-often-as-allowed"
 
 SLACK: Final = 1.5
 """Factor on the sum of all limits: they are counted in rounds, and a round may be longer."""
@@ -196,6 +198,34 @@ def leads_on(motion: Motion) -> bool:
         math.dist(first[:2], (x, y)) > MOVED_M or abs(heading - first[2]) > MOVED_M
         for _, x, y, heading in motion.waypoints[1:]
     )
+
+
+def waits_as_often_as_allowed(run: JudgedRun) -> Violation | None:
+    """Check that a robot that bids waits for others to leave at most `max_waits` times in a row.
+
+    Each wait ends with a choice because it was blocked. In a row such choices find no goal, while
+    the robot neither moves, nor scans, nor learns anything.
+
+    Cost: negligible.
+    """
+    if run.family != "frontier":
+        return None
+    most: int = run.options["max_waits"]
+    kinds = (GoalChosen, Motion, Sensed, NodeAdded, Learned)
+    for robot, events in sorted(run.by_robot(*kinds).items()):
+        waits = 0
+        for event in sorted(events, key=lambda event: event.time_s):
+            is_wait = isinstance(event, GoalChosen) and event.goal is None
+            waits = waits + 1 if is_wait and event.because == "blocked" else 0
+            if waits > most:
+                return Violation(
+                    invariant=OFTEN,
+                    says=f"robot {robot} waits for others to leave {waits} times in a row, until "
+                    f"{event.time_s:.2f} s; {most} are allowed",
+                    robot=robot,
+                    time_s=event.time_s,
+                )
+    return None
 
 
 def _not_ended(run: JudgedRun, team: list[int], time_s: float) -> list[int]:

@@ -14,6 +14,7 @@ from multisrt.events import (
     Decision,
     Ended,
     GoalChosen,
+    Learned,
     Motion,
     NodeAdded,
     Sent,
@@ -274,3 +275,32 @@ def test_a_robot_is_boxed_in_after_its_attempts(reason, stops, stays, strategy, 
     found = says(run, "boxed-in-after-attempts")
     assert (f"after {stops} stops, 0 orders and {stays} choices to stay" in found) is is_found
     assert bool(found) is is_found
+
+
+@pytest.mark.parametrize(
+    ("waits", "between", "is_found"),
+    [
+        (2, None, False),
+        (3, None, True),
+        (3, drive(0, (2.5, 0.5, 0.5, 0.0), (2.6, 0.6, 0.5, 0.0)), False),
+        (3, Learned(time_s=2.5, robot=0, nodes=((1, 0),)), False),
+        (3, Learned(time_s=2.5, robot=1, nodes=((0, 0),)), True),
+    ],
+)
+def test_a_robot_waits_as_often_as_allowed(waits, between, is_found):
+    choices = [
+        GoalChosen(time_s=1.0 + k, robot=0, rule="minpos", because="blocked", goal=None)
+        for k in range(waits)
+    ]
+    extra = [] if between is None else [between]
+    for strategy in ("minpos", "srt-star"):
+        run = written(
+            [*choices, *extra],
+            starts=((0.5, 0.5, 0.0), (2.5, 0.5, 0.0)),
+            strategy=strategy,
+            options={"max_waits": 2},
+        )
+        found = says(run, "waits-as-often-as-allowed")
+        assert ("waits for others to leave 3 times in a row" in found) is (
+            is_found and strategy == "minpos"
+        )

@@ -112,3 +112,12 @@ def test_none_is_drawn_where_a_default_is_not_none():
     made = Strategy(name="own", summary="Own", options=Given, explorer=_unused)
     drawn = [draw_options(made, Chance(1, n)).get("wait_s") for n in range(60)]
     assert NONE in drawn
+
+
+def test_sometimes_all_numbers_of_attempts_are_small():
+    limits = ("patience", "max_waits", "max_jams", "max_instant_goals", "max_vain_motions")
+    few = 0
+    for number in range(DRAWS):
+        options = draw_options(strategy("minpos"), Chance(2, number))
+        few += all(options.get(name) in (1, 2, 3) for name in limits)
+    assert 0.1 * DRAWS < few < 0.2 * DRAWS

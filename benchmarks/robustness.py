@@ -27,6 +27,11 @@ TITLES: Final = {
 }
 """Titles of the pages, by experiment."""
 
+NOTES: Final = {
+    "robustness_returning": " `worth`, `relays`, `chain` and `pursuit` are options of `minpos`.",
+}
+"""What is added about the strategies of an experiment."""
+
 ENDED = ("complete", "stalled")
 COLUMNS = (
     "strategy",
@@ -100,7 +105,7 @@ def page(results: pd.DataFrame, experiment: str) -> list[str]:
         "radio; the others start apart, with a radio that loses one message in three and delays "
         "the others by up to two seconds. Coverage is a share of what the whole team could have "
         f"seen; a robot that is shut in behind a dead one covers little, and reports this."
-        f"{delivered}",
+        f"{delivered}{NOTES.get(experiment, '')}",
         "",
         markdown_table(columns, ([row[name] for name in columns] for row in summaries)),
         "",

@@ -8,9 +8,9 @@ BASE_READY := $(VENV)/.ready-base
 READY := $(VENV)/.ready
 BENCH_READY := $(VENV)/.ready-bench
 OUT := out
-# Four processes keep two cores busy while tests wait for what they start. The order in which they
+# Three processes keep two cores busy while tests wait for what they start. The order in which they
 # take the files is that of tests/conftest.py.
-PYTEST := $(BIN)/python -m pytest --numprocesses 4 --dist loadfile --no-loadscope-reorder --quiet
+PYTEST := $(BIN)/python -m pytest --numprocesses 3 --dist loadfile --no-loadscope-reorder --quiet
 # Public maps that some benchmarks use; where there are none, they are left out.
 MULTISRT_MAPS ?= ../shared/maps
 

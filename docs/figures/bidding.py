@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
 
@@ -15,7 +16,7 @@ from multisrt.environments.environment import Environment
 from multisrt.geometry.grids.distance_field import DistanceField
 from multisrt.geometry.grids.grid_path import shortest_path
 from multisrt.geometry.grids.occupancy import FREE, OCCUPIED, Occupancy
-from multisrt.geometry.numerics.kernel import BoolArray, FloatArray
+from multisrt.geometry.numerics.kernel import BoolArray, FloatArray, IntArray
 from multisrt.geometry.regions.edge_index import EdgeIndex
 from multisrt.geometry.regions.line_of_sight import line_of_sight
 from multisrt.planners.assignment.cell_choice import choose_cell
@@ -51,6 +52,18 @@ class Scene:
     paths: list[list[FloatArray]]
 
 
+def paths_from(
+    raster: Occupancy, places: Iterable[tuple[float, float]], rows: IntArray
+) -> tuple[FloatArray, list[list[FloatArray]]]:
+    """Return the lengths of the shortest paths from each place to some cells, and the paths."""
+    lengths, paths = [], []
+    for place in places:
+        field = DistanceField(raster.passable, CELL_M, [place], x0=raster.x0, y0=raster.y0)
+        lengths.append(field.distance(rows))
+        paths.append([shortest_path(field, row) for row in rows])
+    return np.array(lengths), paths
+
+
 @cache
 def scene(name: str = "floor") -> Scene:
     """Return the map, the frontier groups' targets, and the costs of robots to them."""
@@ -61,13 +74,9 @@ def scene(name: str = "floor") -> Scene:
     groups = [g for g in raster.frontier_groups(BODY.width_m) if g.target is not None]
     cells = np.array([g.target for g in groups])
     rows = np.stack(raster.indices_of(cells), axis=1)
-    costs, paths = [], []
-    for place in places:
-        field = DistanceField(raster.passable, CELL_M, [place], x0=raster.x0, y0=raster.y0)
-        costs.append(field.distance(rows))
-        paths.append([shortest_path(field, row) for row in rows])
+    costs, paths = paths_from(raster, places, rows)
     targets = raster.centres_of(cells)
-    return Scene(world, scans, places, raster, targets, np.array(costs), paths)
+    return Scene(world, scans, places, raster, targets, costs, paths)
 
 
 def ground(title: str, of: str = "floor") -> Sketch:

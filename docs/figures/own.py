@@ -9,7 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 import shapely
-from bidding import CELL_M, ROBOTS, SCANS, frontiers, ground, scene
+from bidding import CELL_M, ROBOTS, SCANS, frontiers, ground, paths_from, scene
 from setting import RANGE_M, region_at
 from sketch import Sketch
 
@@ -37,13 +37,8 @@ def paths_between() -> tuple[FloatArray, list[list[FloatArray]]]:
     """Return the lengths of the paths between the targets, and the paths."""
     raster, targets = scene().raster, scene().targets
     rows = np.stack(raster.indices_of(raster.cells_of(targets)), axis=1)
-    lengths, paths = [], []
-    for target in targets:
-        field = DistanceField(raster.passable, CELL_M, [target], x0=raster.x0, y0=raster.y0)
-        lengths.append(field.distance(rows))
-        paths.append([shortest_path(field, row) for row in rows])
-    table = np.array(lengths)
-    return np.minimum(table, table.T), paths
+    lengths, paths = paths_from(raster, targets, rows)
+    return np.minimum(lengths, lengths.T), paths
 
 
 @cache

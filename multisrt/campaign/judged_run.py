@@ -130,8 +130,9 @@ class JudgedRun:
     @property
     def returns_data(self) -> bool:
         """Whether robots are to go home, so that the base station learns what they know."""
-        home = self.options.get("home", "never")
-        return self.recording.spec.base is not None and home != "never"
+        if self.family == "other" or self.recording.spec.base is None:
+            return False
+        return bool(self.options["home"] != "never")
 
     @cached_property
     def beams_find_all(self) -> bool:

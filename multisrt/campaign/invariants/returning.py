@@ -162,7 +162,7 @@ def ends_at_home(run: JudgedRun) -> Violation | None:
 def _is_surely_heard(run: JudgedRun) -> bool:
     # Whether data is to be returned, and the base station certain to hear a robot in reach.
     spec = run.recording.spec
-    if run.family == "other" or not run.returns_data:
+    if not run.returns_data:
         return False
     return not any(isinstance(fault, Silence) for fault in spec.faults) and not _may_be_unheard(run)
 

@@ -31,7 +31,10 @@ def named_robots(numbers: Iterable[int]) -> str:
 NO_CHAIN: Final = "no goal is left from which the chain reaches the base station"
 """Reason of a robot that ends because its chain of relays is too short."""
 
-WALLED_IN: Final = "boxed in at the start, where the scan shows no way for the body"
+BOXED_IN: Final = "boxed in"
+"""Beginning of the reason of a robot that ends because others, or walls, block all of its paths."""
+
+WALLED_IN: Final = f"{BOXED_IN} at the start, where the scan shows no way for the body"
 """The reason of a robot that ends where it began, as it finds no motion from there."""
 
 
@@ -59,9 +62,9 @@ def boxed_in_by(numbers: Iterable[int]) -> str:
     """
     others = list(numbers)
     if not others:
-        return "boxed in"
+        return BOXED_IN
     do = "does" if len(others) == 1 else "do"
-    return f"boxed in by {named_robots(others)}, which {do} not give way"
+    return f"{BOXED_IN} by {named_robots(others)}, which {do} not give way"
 
 
 def joined(words: Sequence[str]) -> str:

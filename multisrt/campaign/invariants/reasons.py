@@ -13,13 +13,10 @@ from multisrt.campaign.judged_run import JudgedRun
 from multisrt.campaign.violations import Violation, quoted
 from multisrt.events import Blocked, Coordinated, Decision, Ended
 from multisrt.planners.home_options import NO_TIME_LEFT
-from multisrt.robots.naming import NO_CHAIN, WALLED_IN
+from multisrt.robots.naming import BOXED_IN, NO_CHAIN, WALLED_IN
 
 NAME: Final = "incomplete-for-a-reason"
 ATTEMPTS: Final = "boxed-in-after-attempts"
-
-BOXED_IN: Final = "boxed in"
-"""How the reason of a robot begins that is boxed in."""
 
 NO_TARGET: Final = "the planner has no target"
 """How that of a robot of the SRT family begins that leaves frontier, with `complete=false`."""

@@ -19,7 +19,7 @@ from multisrt.campaign.bodies import Body, FloatArray, bodies_of
 from multisrt.campaign.lasers import finds_all
 from multisrt.campaign.tracks import Track, tracks
 from multisrt.environments.environment import Environment
-from multisrt.events import Died, Ended, Joined, Learned, NodeAdded, NodeName
+from multisrt.events import BaseLearned, Died, Ended, Joined, Learned, NodeAdded, NodeName
 from multisrt.planners.srt_options import SrtOptions
 from multisrt.recording import Recording
 from multisrt.robots.frontier.options import FrontierOptions
@@ -194,6 +194,15 @@ class JudgedRun:
                 case Learned():
                     for name in event.nodes:
                         known[event.robot].setdefault((name[0], name[1]), event.time_s)
+        return known
+
+    @cached_property
+    def base_knows_s(self) -> dict[NodeName, float]:
+        """When the base station learned of each node that it knows, in seconds."""
+        known: dict[NodeName, float] = {}
+        for event in self.recording.of(BaseLearned):
+            for name in event.nodes:
+                known.setdefault((name[0], name[1]), event.time_s)
         return known
 
     def component(self, robot: int) -> Polygon:

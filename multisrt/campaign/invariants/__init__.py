@@ -31,6 +31,7 @@ from multisrt.campaign.invariants.decisions import goals_by_rule
 from multisrt.campaign.invariants.endings import ends
 from multisrt.campaign.invariants.free_space import known_free_is_free
 from multisrt.campaign.invariants.hearing import hearers_learn
+from multisrt.campaign.invariants.isolation import isolated_without_links
 from multisrt.campaign.invariants.knowledge import knowledge_by_scan_or_message
 from multisrt.campaign.invariants.links import (
     losses_at_rate,
@@ -95,6 +96,7 @@ INVARIANTS: Final[Mapping[str, Invariant]] = MappingProxyType(
         "waits-as-often-as-allowed": waits_as_often_as_allowed,
         "drives-get-somewhere": drives_get_somewhere,
         "measures-consistent": measures_consistent,
+        "isolated-without-links": isolated_without_links,
     }
 )
 """All invariants by name."""

@@ -37,12 +37,12 @@ from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.regions.edge_index import EdgeIndex
 from multisrt.geometry.regions.safe_region import local_safe_region
 from multisrt.geometry.regions.shapes import Shape
-from multisrt.robots.naming import NO_CHAIN, WALLED_IN
+from multisrt.robots.naming import BOXED_IN, NO_CHAIN, WALLED_IN
 from multisrt.simulation.sensing import measured
 from multisrt.spec import RangeFinderSpec
 
 COMPLETE: Final = "complete-is-complete"
-BOXED_IN: Final = "boxed-in-is-boxed-in"
+BARRED: Final = "boxed-in-is-boxed-in"
 CHAIN: Final = "chain-reaches-no-goal"
 
 SHARPEST_RAD: Final = math.radians(45.0)
@@ -165,7 +165,7 @@ def boxed_in_is_boxed_in(run: JudgedRun) -> Violation | None:
     Cost: a few overlays for each such robot.
     """
     for robot, end in sorted(run.ends.items(), key=lambda item: item[1].time_s):
-        boxed_in, barred = end.reason.startswith("boxed in"), IN_THE_WAY in end.reason
+        boxed_in, barred = end.reason.startswith(BOXED_IN), IN_THE_WAY in end.reason
         if end.complete or not (boxed_in or barred) or not _may_judge(run, robot):
             continue
         if _is_jammed(run, robot, end) or _is_walled_in(run, robot, end):
@@ -177,7 +177,7 @@ def boxed_in_is_boxed_in(run: JudgedRun) -> Violation | None:
         bodies = bodies_around(run, robot, times_s, belief_s)
         found = _left(run, robot, known_at(run, robot, end), end.time_s, bodies)
         if found:
-            return _violation(BOXED_IN, robot, end, found[0])
+            return _violation(BARRED, robot, end, found[0])
     return None
 
 

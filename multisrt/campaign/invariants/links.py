@@ -6,12 +6,8 @@ import math
 from collections.abc import Callable, Iterator
 from typing import Final
 
-import numpy as np
-import shapely
-from shapely.geometry.base import BaseGeometry
-
-from multisrt.campaign.bodies import FloatArray
-from multisrt.campaign.judged_run import ROUNDING_M, ROUNDING_S, JudgedRun, silences
+from multisrt.campaign.judged_run import JudgedRun
+from multisrt.campaign.links import Links
 from multisrt.campaign.violations import Violation
 from multisrt.events import Sent
 
@@ -25,7 +21,8 @@ ODDS: Final = 1e9
 TO_ALL: Final = ("no place", "inaccessible")
 """Kinds of messages that are always sent to all."""
 
-Place = tuple[float, float]
+Judge = Callable[[JudgedRun, Links, Sent], str | None]
+"""Return what is wrong with a message, or None."""
 
 
 def messages_over_links(run: JudgedRun) -> Violation | None:
@@ -38,7 +35,7 @@ def messages_over_links(run: JudgedRun) -> Violation | None:
 
     Cost: negligible for radios that reach everywhere; otherwise one line for each pair of places.
     """
-    return next(_Links(run).violations(NAME, _Links.wrong), None)
+    return next(_violations(run, NAME, _wrong), None)
 
 
 def reaches_all_in_reach(run: JudgedRun) -> Violation | None:
@@ -53,8 +50,7 @@ def reaches_all_in_reach(run: JudgedRun) -> Violation | None:
 
     Cost: negligible for radios that reach everywhere; otherwise one line for each pair of places.
     """
-    links = _Links(run, is_sure=True)
-    return next(links.violations(REACHES_ALL, _Links.missed), None)
+    return next(_violations(run, REACHES_ALL, _missed, is_sure=True), None)
 
 
 def losses_at_rate(run: JudgedRun) -> Violation | None:
@@ -80,149 +76,54 @@ def losses_at_rate(run: JudgedRun) -> Violation | None:
     )
 
 
-class _Links:
-    """The links of a run, computed independently: possible ones, or certain ones."""
+def _violations(
+    run: JudgedRun, name: str, judge: Judge, *, is_sure: bool = False
+) -> Iterator[Violation]:
+    sent = run.recording.of(Sent)
+    links = Links(run, [message.time_s for message in sent], is_sure=is_sure)
+    for message in sent:
+        wrong = judge(run, links, message)
+        if wrong is not None:
+            yield Violation(
+                invariant=name,
+                says=f"a message of {run.named(message.robot)} at {message.time_s:.2f} s "
+                f"({message.kind}) {wrong}",
+                robot=message.robot,
+                time_s=message.time_s,
+            )
 
-    def __init__(self, run: JudgedRun, *, is_sure: bool = False) -> None:
-        self._run = run
-        self._slack = -1.0 if is_sure else 1.0
-        self._radio = run.recording.spec.radio
-        self._robots = len(run.robots)
-        self._silences = [silences(run.recording.spec.faults, robot) for robot in run.robots]
-        self._held: dict[tuple[Place, Place], bool] = {}
-        self._places: dict[float, FloatArray] = {}
 
-    def violations(
-        self, name: str, wrong_with: Callable[[_Links, Sent], str | None]
-    ) -> Iterator[Violation]:
-        """Yield messages that arrived where they cannot, or did not arrive where they must."""
-        sent = self._run.recording.of(Sent)
-        self._place_all([message.time_s for message in sent])
-        for message in sent:
-            wrong = wrong_with(self, message)
-            if wrong is not None:
-                yield Violation(
-                    invariant=name,
-                    says=f"a message of {self._run.named(message.robot)} at {message.time_s:.2f} s "
-                    f"({message.kind}) {wrong}",
-                    robot=message.robot,
-                    time_s=message.time_s,
-                )
-
-    def wrong(self, message: Sent) -> str | None:
-        """Return what is wrong with a message that arrived where it cannot."""
-        receivers, now_s = (*message.reached, *message.lost), message.time_s
-        if not receivers:
-            return None
-        if message.lost and self._radio.loss == 0.0:
-            return f"is lost to robot {message.lost[0]}, but this radio loses none"
-        if not self._works(message.robot, now_s):
-            return f"reaches robot {receivers[0]}, but its sender's radio does not work"
-        for receiver in receivers:
-            if receiver == message.robot:
-                return "reaches its sender"
-            if not self._works(receiver, now_s):
-                return f"reaches robot {receiver}, whose radio does not work"
-        if self._radio.reaches_everywhere:
-            return None
-        far = [n for n in receivers if not self._holds(message.robot, n, now_s)]
-        if far and self._radio.multi_hop:
-            reached = self._reached(message.robot, now_s)
-            far = [n for n in far if n not in reached]
-        if not far:
-            return None
-        places = self._places[now_s]
-        apart_m = math.dist(places[message.robot], places[far[0]])
-        return f"reaches robot {far[0]}, {apart_m:.3f} m away, to which there is no link"
-
-    def missed(self, message: Sent) -> str | None:
-        """Return what is wrong with a message that did not arrive where it must."""
-        sender, now_s = message.robot, message.time_s
-        receivers = {*message.reached, *message.lost}
-        is_to_all = len(receivers) > 1 or message.kind in TO_ALL
-        if (receivers and not is_to_all) or not self._works(sender, now_s):
-            return None
-        if self._radio.reaches_everywhere:
-            in_reach = {n for n in self._members if self._works(n, now_s)} - {sender}
-        elif self._radio.multi_hop:
-            in_reach = self._reached(sender, now_s)
-        else:
-            others = [n for n in self._members if n != sender and self._works(n, now_s)]
-            in_reach = {n for n in others if self._holds(sender, n, now_s)}
-        missed = in_reach - receivers
-        if is_to_all and missed:
-            return f"does not reach {self._run.named(min(missed))}, which is in reach"
-        if missed and len(missed) == len(self._members) - 1:
-            return "reaches nobody, but all others are in reach"
+def _wrong(run: JudgedRun, links: Links, message: Sent) -> str | None:
+    """Return what is wrong with a message that arrived where it cannot."""
+    sender, receivers, now_s = message.robot, (*message.reached, *message.lost), message.time_s
+    if not receivers:
         return None
+    if message.lost and run.recording.spec.radio.loss == 0.0:
+        return f"is lost to robot {message.lost[0]}, but this radio loses none"
+    if not links.works(sender, now_s):
+        return f"reaches robot {receivers[0]}, but its sender's radio does not work"
+    for receiver in receivers:
+        if receiver == sender:
+            return "reaches its sender"
+        if not links.works(receiver, now_s):
+            return f"reaches robot {receiver}, whose radio does not work"
+    far = sorted({*receivers} - links.reached(sender, now_s))
+    if not far:
+        return None
+    apart_m = links.apart_m(sender, far[0], now_s)
+    return f"reaches robot {far[0]}, {apart_m:.3f} m away, to which there is no link"
 
-    @property
-    def _members(self) -> range:
-        # All that take part in the radio traffic.
-        return range(self._robots + (self._run.recording.spec.base is not None))
 
-    def _works(self, member: int, time_s: float) -> bool:
-        if member == self._robots:
-            return True
-        slack_s = self._slack * ROUNDING_S
-        on_s, dead_s = self._run.present_s(member)
-        if not on_s - slack_s <= time_s <= dead_s + slack_s:
-            return False
-        return not any(
-            begin_s + slack_s < time_s < end_s - slack_s
-            for begin_s, end_s in self._silences[member]
-        )
-
-    def _reached(self, sender: int, now_s: float) -> set[int]:
-        """Return all that are connected to a sender."""
-        waiting = {n for n in self._members if self._works(n, now_s)} - {sender}
-        found, relays = set[int](), [sender]
-        while relays:
-            relay = relays.pop()
-            heard = {n for n in waiting if self._holds(relay, n, now_s)}
-            waiting -= heard
-            found |= heard
-            relays += sorted(heard)
-        return found
-
-    # Links of places ------------------------------------------------------------------------
-
-    def _place_all(self, times_s: list[float]) -> None:
-        if self._radio.reaches_everywhere:
-            return
-        times = np.unique(np.array(times_s))
-        places = [track.at(times)[:, :2] for track in self._run.tracks]
-        base = self._run.recording.spec.base
-        if base is not None:
-            places.append(np.tile(base.place, (len(times), 1)))
-        self._places = dict(zip(times.tolist(), np.stack(places, axis=1), strict=True))
-
-    def _holds(self, one: int, other: int, now_s: float) -> bool:
-        places = self._places[now_s]
-        ax, ay = places[min(one, other)].tolist()
-        bx, by = places[max(one, other)].tolist()
-        ends = (ax, ay), (bx, by)
-        if ends not in self._held:
-            self._held[ends] = self._may_hold(*ends)
-        return self._held[ends]
-
-    def _may_hold(self, here: Place, there: Place) -> bool:
-        radio, apart_m, slack_m = self._radio, math.dist(here, there), self._slack * ROUNDING_M
-        if apart_m > radio.reach_m + slack_m:
-            return False
-        if radio.walls == "pass":
-            return True
-        line, free = shapely.LineString([here, there]), self._free
-        if shapely.covers(free, line):
-            return True
-        if radio.walls == "block":
-            return False
-        walls = len(shapely.get_parts(shapely.difference(line, free)))
-        # 10 n log10(distance / range) + the loss of all walls <= 0.
-        weaker = radio.wall_loss_db * walls / (10.0 * radio.path_loss_exponent)
-        return bool(apart_m <= radio.reach_m * 10.0**-weaker + slack_m)
-
-    @property
-    def _free(self) -> BaseGeometry:
-        walls = self._run.walls
-        return walls.grown if self._slack > 0.0 else self._run.once("shrunk", walls.shrunk)
+def _missed(run: JudgedRun, links: Links, message: Sent) -> str | None:
+    """Return what is wrong with a message that did not arrive where it must."""
+    sender, now_s = message.robot, message.time_s
+    receivers = {*message.reached, *message.lost}
+    is_to_all = len(receivers) > 1 or message.kind in TO_ALL
+    if receivers and not is_to_all:
+        return None
+    missed = links.reached(sender, now_s) - receivers
+    if is_to_all and missed:
+        return f"does not reach {run.named(min(missed))}, which is in reach"
+    if missed and len(missed) == len(links.members) - 1:
+        return "reaches nobody, but all others are in reach"
+    return None

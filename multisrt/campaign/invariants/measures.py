@@ -15,7 +15,6 @@ from shapely.geometry.base import BaseGeometry
 from multisrt.analysis.measuring import Curves, measure_with_curves
 from multisrt.analysis.metrics import Metrics
 from multisrt.campaign.invariants.open_frontier import WALL_M
-from multisrt.campaign.invariants.starting import silent_spells
 from multisrt.campaign.judged_run import JudgedRun
 from multisrt.campaign.violations import Violation
 from multisrt.events import Blocked, Died, Sent
@@ -47,16 +46,18 @@ def measures_consistent(run: JudgedRun) -> Violation | None:
     decreases: each percent is reached no earlier than the previous one, and delivered no earlier
     than covered; 90, 95 and 99 % are reached in this order and before the end. The covered area is
     at most the union of the nodes' regions, computed as an overlay of polygons; with exact range
-    finders it is at least that union without its parts that are not explorable. The tolerance is
+    finders it is at least that union without its parts that are not explorable. The same holds for
+    the delivered area and the nodes that the base station knows. The tolerance is
     3e-4 of the explorable area; the accuracy of the measures is 1e-4. Regions and what
     scans showed approximate the same arc by different chords: the tolerance of chords is allowed in
     addition, along the border of the union away from walls.
 
     Path lengths, waiting times and numbers of messages, receptions, nodes, deaths and protective
     stops are those of the recorded events. The integral of the coverage lies between the sums over
-    the percents. No body was nearer to a wall, where a motion began or ended, than the minimum
-    clearance. A robot whose radio is silent is isolated, if all others are active. The regions of
-    the nodes that were added by the times to 90, 95 and 99 % have these shares of the area.
+    the percents, and the delivery delay between the differences of such sums. No body was nearer to
+    a wall, where a motion began or ended, than the minimum clearance. The regions of the nodes that
+    were added, or delivered, by the times to 90, 95 and 99 % have these shares of the area. Robots
+    carry data while they live and know a node that the base station does not know.
 
     Cost: that of `measure`, about 0.15 s, and of the union. It is the highest of all invariants, so
     only one run in `ONE_IN` (3) is measured, depending on the seed of its spec.
@@ -68,6 +69,7 @@ def measures_consistent(run: JudgedRun) -> Violation | None:
         *_nested(run, metrics),
         *_ordered(metrics, curves),
         *_recounted(run, metrics, curves),
+        *_delivered(run, metrics, curves),
         *_overlaid(run, metrics),
     ]
     return Violation(invariant=NAME, says=said[0]) if said else None
@@ -177,15 +179,41 @@ def _recounted(run: JudgedRun, m: Metrics, curves: Curves) -> Iterator[str]:
     clearance_m = min(_clearance_m(run, robot) for robot in run.robots)
     if m.min_clearance_m > max(0.0, clearance_m) + RECOUNTED:
         yield f"min_clearance_m is {m.min_clearance_m:.6f}, but a body is {clearance_m:.6f} m away"
-    if len(run.robots) > 1 and all(run.present_s(n) == (0.0, math.inf) for n in run.robots):
-        for robot in run.robots:
-            silent_s = sum(
-                min(end_s, run.end_s) - begin_s
-                for begin_s, end_s in silent_spells(run, robot)
-                if begin_s < run.end_s
+
+
+def _delivered(run: JudgedRun, m: Metrics, curves: Curves) -> Iterator[str]:
+    if m.delivery_delay_s is not None and m.coverage > 0.0:
+        soonest, latest = _integral_s(curves.covered_at_s, run.end_s)
+        first, last = _integral_s(curves.delivered_at_s, run.end_s)
+        lowest_s, highest_s = (first - latest) / m.coverage, (last - soonest) / m.coverage
+        slack_s = RECOUNTED * (1.0 + run.end_s) / m.coverage
+        if not lowest_s - slack_s <= m.delivery_delay_s <= highest_s + slack_s:
+            yield (
+                f"delivery_delay_s is {m.delivery_delay_s:.6f}, but by percents from "
+                f"{lowest_s:.6f} to {highest_s:.6f}"
             )
-            if m.isolated_by_robot_s[robot] < silent_s - 1e-5:
-                yield f"robot {robot} is silent for {silent_s:.3f} s, and not isolated for as long"
+    if m.carrying_s is not None and _all_add_nodes(run):
+        carried_s = math.fsum(_carried_s(run, robot) for robot in run.robots) / len(run.robots)
+        if abs(m.carrying_s - carried_s) > RECOUNTED * (1.0 + carried_s):
+            yield f"carrying_s is {m.carrying_s:.6f}, but {carried_s:.6f} by nodes"
+
+
+def _carried_s(run: JudgedRun, robot: int) -> float:
+    """Return for how long a robot knew a node that the base station did not know, in seconds."""
+    last_s = min(run.present_s(robot)[1], run.end_s)
+    spans_s = [
+        (known_s, min(run.base_knows_s.get(name, math.inf), last_s))
+        for name, known_s in run.known[robot].items()
+    ]
+    total_s = until_s = 0.0
+    for begin_s, end_s in sorted(spans_s):
+        total_s += max(0.0, end_s - max(begin_s, until_s))
+        until_s = max(until_s, end_s)
+    return total_s
+
+
+def _all_add_nodes(run: JudgedRun) -> bool:
+    return len({robot for robot, _ in run.nodes}) == len(run.robots)
 
 
 def _waited_s(run: JudgedRun, robot: int) -> float:
@@ -216,33 +244,44 @@ def _clearance_m(run: JudgedRun, robot: int) -> float:
 
 
 def _overlaid(run: JudgedRun, m: Metrics) -> Iterator[str]:
-    noters = {robot for robot, _ in run.nodes}
-    if len(noters) < len(run.robots):
+    if not _all_add_nodes(run):
         return  # what robots without nodes covered are their scans
-    union = _union(run.regions.values())
     here = shapely.union_all(_components(run))
-    within_m2 = float(shapely.intersection(union, here, grid_size=GRID_M).area)
     allowed_m2 = AREA * m.explorable_area_m2
     hidden_m2 = float(here.area) - m.explorable_area_m2
-    if m.covered_area_m2 > within_m2 + allowed_m2:
-        yield f"{m.covered_area_m2:.4f} m2 are covered, by regions of {within_m2:.4f} m2 together"
-    for percent, time_s in ((90, m.time_to_90_s), (95, m.time_to_95_s), (99, m.time_to_99_s)):
-        if time_s is None:
-            continue
-        then = _union(run.regions[name] for name, n in run.nodes.items() if n.time_s <= time_s)
-        then_m2 = float(shapely.intersection(then, here, grid_size=GRID_M).area)
-        if then_m2 < 0.01 * percent * m.explorable_area_m2 - allowed_m2:
-            yield f"{percent} % are covered at {time_s:.2f} s, by regions of {then_m2:.4f} m2"
     # With a laser a region may hold what its beams did not show, which is not covered.
     is_exact = all(r.range_finder.beams is None for r in run.recording.spec.robots)
-    arcs = shapely.difference(union.boundary, here.boundary.buffer(WALL_M, quad_segs=2))
     range_m = max(robot.range_finder.range_m for robot in run.recording.spec.robots)
-    chords_m2 = float(arcs.length) * arc_tolerance(range_m)
-    if is_exact and m.covered_area_m2 < within_m2 - hidden_m2 - allowed_m2 - chords_m2:
-        yield (
-            f"only {m.covered_area_m2:.4f} m2 are covered, by regions of {within_m2:.4f} m2 "
-            f"together, of which at most {hidden_m2:.4f} m2 are not explorable"
-        )
+    added_s = {name: node.time_s for name, node in run.nodes.items()}
+    covered_s = m.time_to_90_s, m.time_to_95_s, m.time_to_99_s
+    delivered_s = m.delivered_90_s, m.delivered_95_s, m.delivered_99_s
+    delivered_m2 = (m.delivered_coverage or 0.0) * m.explorable_area_m2
+    for what, area_m2, since_s, times_s in (
+        ("covered", m.covered_area_m2, added_s, covered_s),
+        ("delivered", delivered_m2, run.base_knows_s, delivered_s),
+    ):
+        union = _union(run.regions[name] for name in since_s)
+        within_m2 = _area_m2(union, here)
+        if area_m2 > within_m2 + allowed_m2:
+            yield f"{area_m2:.4f} m2 are {what}, by regions of {within_m2:.4f} m2 together"
+        arcs = shapely.difference(union.boundary, here.boundary.buffer(WALL_M, quad_segs=2))
+        chords_m2 = float(arcs.length) * arc_tolerance(range_m)
+        if is_exact and area_m2 < within_m2 - hidden_m2 - allowed_m2 - chords_m2:
+            yield (
+                f"only {area_m2:.4f} m2 are {what}, by regions of {within_m2:.4f} m2 together, "
+                f"of which at most {hidden_m2:.4f} m2 are not explorable"
+            )
+        for percent, time_s in zip((90, 95, 99), times_s, strict=True):
+            if time_s is None:
+                continue
+            then = _union(run.regions[name] for name in since_s if since_s[name] <= time_s)
+            then_m2 = _area_m2(then, here)
+            if then_m2 < 0.01 * percent * m.explorable_area_m2 - allowed_m2:
+                yield f"{percent} % are {what} at {time_s:.2f} s, by regions of {then_m2:.4f} m2"
+
+
+def _area_m2(area: BaseGeometry, here: BaseGeometry) -> float:
+    return float(shapely.intersection(area, here, grid_size=GRID_M).area)
 
 
 def _components(run: JudgedRun) -> list[Polygon]:
@@ -252,7 +291,8 @@ def _components(run: JudgedRun) -> list[Polygon]:
 
 def _union(regions: Iterable[Polygon]) -> BaseGeometry:
     valid = [region if region.is_valid else _valid(region) for region in regions]
-    return shapely.union_all(valid, grid_size=GRID_M)
+    # An empty collection has no boundary; an empty area has.
+    return shapely.union_all(valid, grid_size=GRID_M) if valid else shapely.MultiPolygon()
 
 
 def _valid(region: Polygon) -> BaseGeometry:

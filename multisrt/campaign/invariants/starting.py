@@ -125,7 +125,7 @@ def _silences(run: JudgedRun) -> Iterator[Said]:
     for again in run.recording.of(CameBack):
         back[again.robot].append(again.time_s)
     for robot in run.robots:
-        spells = silent_spells(run, robot)
+        spells = silences(run.recording.spec.faults, robot, run.present_s(robot)[0])
         for times_s, due_s, what in (
             (fell[robot], [begin_s for begin_s, _ in spells], "falls silent"),
             (back[robot], [end_s for _, end_s in spells], "works again"),
@@ -136,12 +136,6 @@ def _silences(run: JudgedRun) -> Iterator[Said]:
             for time_s in due_s:
                 if time_s < _over_s(run, robot) and not _is_among(time_s, times_s):
                     yield robot, time_s, f"has a radio that never {what}, which is due"
-
-
-def silent_spells(run: JudgedRun, robot: int) -> list[tuple[float, float]]:
-    """Return the intervals in which the radio of a robot that is on is to be silent, merged."""
-    on_s, _ = run.present_s(robot)
-    return silences(run.recording.spec.faults, robot, on_s)
 
 
 def _over_s(run: JudgedRun, robot: int) -> float:

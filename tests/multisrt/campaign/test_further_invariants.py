@@ -4,15 +4,20 @@ import msgspec
 import pytest
 import shapely
 
+from multisrt.analysis.isolation import Isolation
+from multisrt.analysis.isolation import isolation as isolation_of
 from multisrt.analysis.measuring import measure_with_curves
-from multisrt.campaign.invariants import INVARIANTS, JudgedRun, measures
+from multisrt.campaign.invariants import INVARIANTS, JudgedRun, isolation, measures
 from multisrt.campaign.invariants.open_frontier import _stretches
 from multisrt.environments.environment import Environment
 from multisrt.events import (
     BaseLearned,
     Blocked,
+    CameBack,
     Decision,
+    Died,
     Ended,
+    FellSilent,
     GoalChosen,
     Learned,
     Motion,
@@ -22,7 +27,16 @@ from multisrt.events import (
 from multisrt.simulation.simulate import simulate
 from multisrt.simulation.standstill import NOTHING_NEW
 from multisrt.simulation.worlds import build_environment
-from multisrt.spec import BaseSpec, CatalogEnvironment, RadioSpec, RobotSpec, RunSpec, StopRule
+from multisrt.spec import (
+    BaseSpec,
+    CatalogEnvironment,
+    Death,
+    RadioSpec,
+    RobotSpec,
+    RunSpec,
+    Silence,
+    StopRule,
+)
 from tests.multisrt.campaign.tampering import changed, drive, once, written
 
 replace = msgspec.structs.replace
@@ -64,6 +78,7 @@ NEW = (
     "known-free-is-free",
     "ends",
     "measures-consistent",
+    "isolated-without-links",
 )
 
 
@@ -170,6 +185,8 @@ def test_a_run_that_ends_before_it_stood_still_for_long(bids):
         "nodes",
         "min_clearance_m",
         "coverage_integral_s",
+        "carrying_s",
+        "delivery_delay_s",
     ],
 )
 def test_measures_that_are_not_those_of_the_events(bids, name, monkeypatch):
@@ -178,6 +195,46 @@ def test_measures_that_are_not_those_of_the_events(bids, name, monkeypatch):
     wrong = replace(said, **{name: 1.5 * getattr(said, name) + 1.0})
     monkeypatch.setattr(measures, "measure_with_curves", lambda *_: (wrong, curves))
     assert name in says(bids, "measures-consistent")
+
+
+# Two robots stand 3 m apart, and hear each other over 2 m only through the base station between
+# them; a third one is out of reach of all, and dies at 10 s. The radio of the first is silent from
+# 12 to 15 s.
+APART = (((1.0, 0.5, 0.0), (1.0, 3.5, 0.0), (8.0, 2.0, 0.0)), (1.0, 2.0))
+TRULY = ((12.0, 15.0),), ((12.0, 15.0),), ((0.0, 10.0),)
+
+
+@pytest.mark.parametrize(
+    ("relays", "measured", "what"),
+    [
+        (True, TRULY, ""),
+        (True, (((0.0, 15.0),), *TRULY[1:]), "robot 0 is measured as isolated, but has a link"),
+        (True, ((), *TRULY[1:]), "robot 0 has no link, but is not measured as isolated"),
+        (True, (*TRULY[:2], ((0.0, 9.0),)), "robot 2 has no link, but is not measured"),
+        (False, TRULY, "robot 0 has no link, but is not measured as isolated"),
+        (False, (((0.0, 20.0),), ((0.0, 20.0),), TRULY[2]), ""),
+    ],
+)
+def test_isolation_is_that_of_links(relays, measured, what, monkeypatch):
+    starts, base = APART
+    run = written(
+        [
+            Died(time_s=10.0, robot=2, configuration=starts[2], doing="waiting"),
+            FellSilent(time_s=12.0, robot=0),
+            CameBack(time_s=15.0, robot=0),
+        ],
+        starts=starts,
+        environment=Environment("hall", shapely.box(0.0, 0.0, 9.0, 4.0)),
+        radio=RadioSpec(range_m=2.0, multi_hop=relays),
+        base=BaseSpec(x=base[0], y=base[1]),
+        faults=(Death(robot=2, time_s=10.0), Silence(robot=0, time_s=12.0, duration_s=3.0)),
+    )
+    ones = [Isolation(total_s=0, longest_s=0, beyond_range_m=0, spells=own) for own in measured]
+    if not what:  # it is what is measured indeed
+        assert tuple(one.spells for one in isolation_of(run.recording)) == measured
+    monkeypatch.setattr(isolation, "isolation", lambda *_: ones)
+    assert says(run, "isolated-without-links").startswith(what)
+    assert bool(what) is bool(says(run, "isolated-without-links"))
 
 
 @pytest.mark.parametrize(

@@ -4,13 +4,23 @@ from __future__ import annotations
 
 import itertools
 import math
-from typing import Final
+from typing import Any, Final, NamedTuple
 
+import numpy as np
+from scipy.optimize import linear_sum_assignment
+
+from multisrt.campaign.bodies import FloatArray
 from multisrt.campaign.judged_run import ROUNDING_M, JudgedRun
 from multisrt.campaign.violations import Violation
 from multisrt.events import GoalChosen
 
 NAME: Final = "goals-by-rule"
+
+OFFSET_M: Final = 0.5
+"""Length in metres that `gain` adds to every path length."""
+
+NO_BID: Final = 1e7
+"""Stands for an infinite bid, so that a matching has as few of these as possible."""
 
 
 def goals_by_rule(run: JudgedRun) -> Violation | None:
@@ -20,6 +30,14 @@ def goals_by_rule(run: JudgedRun) -> Violation | None:
     tables may contain goals for which no time is left. `minpos`: no recorded rank is lower, and of
     equal ones no cost. `greedy` and `utility`: the goal is that of the robot's round. `utility`:
     values, utility minus `beta` times the share of the cost, never rise from round to round.
+
+    `self-bidding`: the goal is the robot's in a matching of the recorded bids that has as few
+    infinite ones as possible and then the lowest sum, computed by another library; or such a
+    matching leaves the robot without one, and its cost is the lowest. `gain`: the last round is
+    that of the goal; the value of the first one that the robot took is the recorded area over the
+    power of the path length, but for `keep_m` and a turn by half a circle. `routes`: no stop is on
+    two routes, lengths never fall along a route, and the goal is the first stop of the robot's own
+    route, or its nearest frontier if that is empty.
 
     Cost: negligible.
     """
@@ -35,35 +53,141 @@ def goals_by_rule(run: JudgedRun) -> Violation | None:
     return None
 
 
-def _wrong(run: JudgedRun, chosen: GoalChosen) -> str | None:
-    place = chosen.goal
-    if place is None or not chosen.frontiers or chosen.robot not in chosen.robots:
+class _Choice(NamedTuple):
+    """A choice of one of the targets.
+
+    Attributes
+    ----------
+    noted : GoalChosen
+        As it was recorded.
+    goal : int
+        The number of the target.
+    row : int
+        The row of the robot in the tables.
+    costs : list of float
+        The robot's path lengths to the targets, in metres.
+    options : dict
+        The options of the strategy.
+    """
+
+    noted: GoalChosen
+    goal: int
+    row: int
+    costs: list[float]
+    options: dict[str, Any]
+
+    @property
+    def rounds(self) -> list[tuple[int, int, float, float]]:
+        """The robot's own rounds."""
+        return [one for one in self.noted.rounds if one[0] == self.noted.robot]
+
+
+def _wrong(run: JudgedRun, noted: GoalChosen) -> str | None:
+    place = noted.goal
+    if place is None or not noted.frontiers or not noted.costs or noted.robot not in noted.robots:
         return None
-    own = chosen.robots.index(chosen.robot)
-    targets = range(len(chosen.frontiers))
-    goal = min(targets, key=lambda k: math.dist(chosen.frontiers[k], place))
-    if math.dist(chosen.frontiers[goal], place) > ROUNDING_M:
+    row = noted.robots.index(noted.robot)
+    goal = min(
+        range(len(noted.frontiers)), key=lambda target: math.dist(noted.frontiers[target], place)
+    )
+    if math.dist(noted.frontiers[goal], place) > ROUNDING_M:
         return None  # one that was assigned, or asked for
-    if not chosen.costs:
-        return None
-    costs = [math.inf if cost is None else cost for cost in chosen.costs[own]]
-    rounds = [one for one in chosen.rounds if one[0] == chosen.robot]
-    match chosen.rule:
+    costs = [math.inf if cost is None else cost for cost in noted.costs[row]]
+    choice = _Choice(noted, goal, row, costs, dict(run.options))
+    match noted.rule:
         case "closest" if not run.returns_data:
-            if costs[goal] > min(costs) + ROUNDING_M:
-                return f"its goal costs {costs[goal]:.3f} m, another one {min(costs):.3f} m"
-        case "minpos" if chosen.ranks:
-            ranks = chosen.ranks[own]
-            counted = [(rank, costs[k]) for k, rank in enumerate(ranks) if rank is not None]
-            best, mine = min(counted), (ranks[goal], costs[goal])
-            if mine[0] is None or (mine[0], mine[1] - ROUNDING_M) > best:
-                return f"its goal has rank and cost {mine}, another one {best}"
-        case "greedy" | "utility" if chosen.rounds:
-            if [one[1] for one in rounds] != [goal]:
-                return f"its goal is target {goal}, and not that of its round"
-            if chosen.rule == "utility":
-                beta = run.options["beta"]
-                values = [one[2] - beta * one[3] for one in chosen.rounds]
-                if any(b > a + ROUNDING_M for a, b in itertools.pairwise(values)):
-                    return f"values rise between rounds, from {values[0]:.3f} to {max(values):.3f}"
+            return _wrong_closest(choice)
+        case "minpos" if noted.ranks:
+            return _wrong_minpos(choice)
+        case "greedy" | "utility" if noted.rounds:
+            return _wrong_in_rounds(choice)
+        case "self-bidding" if noted.bids:
+            return _wrong_by_bids(choice)
+        case "gain" if noted.rounds:
+            return _wrong_gain(choice)
+        case "routes" if noted.rounds:
+            return _wrong_routes(choice)
+    return None
+
+
+def _wrong_closest(choice: _Choice) -> str | None:
+    cost, lowest = choice.costs[choice.goal], min(choice.costs)
+    if cost > lowest + ROUNDING_M:
+        return f"its goal costs {cost:.3f} m, another one {lowest:.3f} m"
+    return None
+
+
+def _wrong_minpos(choice: _Choice) -> str | None:
+    ranks = choice.noted.ranks[choice.row]
+    counted = [(rank, choice.costs[k]) for k, rank in enumerate(ranks) if rank is not None]
+    best, rank, cost = min(counted), ranks[choice.goal], choice.costs[choice.goal]
+    if rank is None or (rank, cost - ROUNDING_M) > best:
+        return f"its goal has rank and cost {(rank, cost)}, another one {best}"
+    return None
+
+
+def _wrong_in_rounds(choice: _Choice) -> str | None:
+    if [target for _, target, *_ in choice.rounds] != [choice.goal]:
+        return f"its goal is target {choice.goal}, and not that of its round"
+    if choice.noted.rule == "utility":
+        beta = choice.options["beta"]
+        values = [utility - beta * share for *_, utility, share in choice.noted.rounds]
+        if any(after > before + ROUNDING_M for before, after in itertools.pairwise(values)):
+            return f"values rise between rounds, from {values[0]:.3f} to {max(values):.3f}"
+    return None
+
+
+def _wrong_by_bids(choice: _Choice) -> str | None:
+    bids = np.array(
+        [[NO_BID if bid is None else bid for bid in bids] for bids in choice.noted.bids]
+    )
+    robots, targets = bids.shape
+    # A robot that gets nothing is matched to one of as many virtual targets as there are robots.
+    padded = np.hstack([bids, np.full((robots, robots), NO_BID)])
+    lowest = _lowest_sum(padded)
+    slack = ROUNDING_M * (1.0 + abs(lowest))
+    is_finite = choice.noted.bids[choice.row][choice.goal] is not None
+    if is_finite and _lowest_with(padded, choice.row, choice.goal) <= lowest + slack:
+        return None
+    if _lowest_with(padded, choice.row, targets) <= lowest + slack:
+        return _wrong_closest(choice)
+    return f"no best matching of the bids gives it target {choice.goal}, or none"
+
+
+def _lowest_sum(bids: FloatArray) -> float:
+    rows, columns = linear_sum_assignment(bids)
+    return float(bids[rows, columns].sum())
+
+
+def _lowest_with(bids: FloatArray, row: int, column: int) -> float:
+    """Return the lowest sum of matchings in which a robot has a certain target."""
+    others = np.delete(np.delete(bids, row, axis=0), column, axis=1)
+    return float(bids[row, column]) + _lowest_sum(others)
+
+
+def _wrong_gain(choice: _Choice) -> str | None:
+    if choice.noted.rounds[-1][:2] != (choice.noted.robot, choice.goal):
+        return f"its goal is target {choice.goal}, and not that of the last round"
+    _, target, area_m2, value = choice.rounds[0]
+    cost_m, options = choice.costs[target] + OFFSET_M, choice.options
+    turn_m = options["turn_m_per_rad"] * math.pi
+    lowest = area_m2 / (cost_m + turn_m) ** options["power"]
+    highest = area_m2 / max(cost_m - options["keep_m"], OFFSET_M) ** options["power"]
+    if not lowest * (1.0 - 1e-9) <= value <= highest * (1.0 + 1e-9):
+        return f"target {target} is worth {value:.4g}, instead of {lowest:.4g} to {highest:.4g}"
+    return None
+
+
+def _wrong_routes(choice: _Choice) -> str | None:
+    stops = [target for _, target, *_ in choice.noted.rounds]
+    if len({*stops}) < len(stops):
+        return f"a target is on two routes: {stops}"
+    for _, route in itertools.groupby(choice.noted.rounds, key=lambda stop: stop[0]):
+        lengths_m = [at_m for *_, at_m in route]
+        if any(b < a - ROUNDING_M for a, b in itertools.pairwise(lengths_m)):
+            return f"lengths fall along a route: {lengths_m}"
+    if not choice.rounds:
+        return _wrong_closest(choice)
+    if choice.rounds[0][1] != choice.goal:
+        return f"its goal is target {choice.goal}, the first stop {choice.rounds[0][1]}"
     return None

@@ -138,6 +138,49 @@ def test_a_goal_of_a_higher_rank(bids):
     )
 
 
+# Bids whose best matching gives robot 0 the farther target, and ones that leave it without any.
+BIDS, NO_BIDS = ((-1.0, -4.0), (1.0, 4.0)), ((None, None), (1.0, 4.0))
+TAKEN = (1, 0, 40.0, 0.1)
+ROUTE = ((0, 1, 8.0, 2.0), (0, 0, 9.0, 6.0), (1, 2, 7.0, 3.0))
+
+
+@pytest.mark.parametrize(
+    ("rule", "goal", "details", "what"),
+    [
+        ("self-bidding", 1, {"bids": BIDS}, ""),
+        ("self-bidding", 0, {"bids": BIDS}, "no best matching of the bids gives it target 0, or"),
+        ("self-bidding", 1, {"bids": NO_BIDS}, ""),
+        ("self-bidding", 0, {"bids": NO_BIDS}, "its goal costs 3.000 m, another one 2.000 m"),
+        ("gain", 1, {"rounds": (TAKEN, (0, 1, 10.0, 0.25))}, ""),
+        ("gain", 1, {"rounds": (TAKEN, (0, 1, 10.0, 3.0))}, "target 1 is worth 3, instead of"),
+        ("gain", 0, {"rounds": (TAKEN, (0, 1, 10.0, 0.25))}, "its goal is target 0, and not that"),
+        ("routes", 1, {"rounds": ROUTE}, ""),
+        ("routes", 0, {"rounds": ROUTE}, "its goal is target 0, the first stop 1"),
+        ("routes", 1, {"rounds": (*ROUTE, (1, 1, 8.0, 9.0))}, "a target is on two routes"),
+        ("routes", 1, {"rounds": ROUTE[1::-1]}, "lengths fall along a route: [6.0, 2.0]"),
+        ("routes", 1, {"rounds": ROUTE[2:]}, ""),
+        ("routes", 2, {"rounds": (TAKEN,)}, "its goal costs 9.000 m, another one 2.000 m"),
+    ],
+)
+def test_goals_that_a_rule_does_not_name(rule, goal, details, what):
+    targets = ((1.0, 1.0), (3.0, 2.0), (3.5, 0.5))[: 2 if rule == "self-bidding" else 3]
+    chosen = GoalChosen(
+        time_s=1.0,
+        robot=0,
+        rule=rule,
+        because="news",
+        goal=targets[goal],
+        frontiers=targets,
+        robots=(0, 1),
+        costs=((3.0, 2.0, 9.0)[: len(targets)], (5.0, 3.0, 1.0)[: len(targets)]),
+        **details,
+    )
+    run = written([chosen], starts=((2.0, 1.5, 0.0), (1.0, 2.0, 0.0)), strategy=rule)
+    found = says(run, "goals-by-rule")
+    assert what in found
+    assert bool(what) is bool(found)
+
+
 @pytest.mark.parametrize(("x", "finds"), [(2.0, False), (2.5, True)])
 def test_a_single_robot_that_ends_away_from_its_root(x, finds):
     end = Ended(time_s=2.0, robot=0, reason="all is explored", complete=True, frontier=())

@@ -44,9 +44,9 @@ from multisrt.campaign.invariants.motion import (
     motion_at_full_speed,
     motion_continuous,
     motion_within_drive,
-    stops_before_bodies,
 )
 from multisrt.campaign.invariants.progress import drives_get_somewhere
+from multisrt.campaign.invariants.protective_stops import stops_before_bodies
 from multisrt.campaign.invariants.reasons import boxed_in_after_attempts, incomplete_for_a_reason
 from multisrt.campaign.invariants.returning import (
     data_is_returned,

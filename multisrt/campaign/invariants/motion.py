@@ -8,7 +8,6 @@ from collections.abc import Iterator
 from typing import Any, Final
 
 import numpy as np
-import shapely
 
 from multisrt.campaign.bodies import FloatArray
 from multisrt.campaign.judged_run import JudgedRun
@@ -28,10 +27,6 @@ from multisrt.spec import DriveSpec
 WITHIN_DRIVE: Final = "motion-within-drive"
 CONTINUOUS: Final = "motion-continuous"
 FULL_SPEED: Final = "motion-at-full-speed"
-STOPS: Final = "stops-before-bodies"
-
-GUARD_M: Final = 1e-4
-"""Maximum distance beyond that of the protective stop at which it ends a motion, in metres."""
 
 ROUNDING_M: Final = 1e-6
 """Maximum excess length of a leg, and distance between two motions, in metres."""
@@ -145,41 +140,6 @@ def motion_at_full_speed(run: JudgedRun) -> Violation | None:
                 f"{begins[k, 0]:.2f} s, for which {needed[k]:.4f} s are enough",
                 robot=motion.robot,
                 time_s=float(begins[k, 0]),
-            )
-    return None
-
-
-def stops_before_bodies(run: JudgedRun) -> Violation | None:
-    """Check that protective stops end motions only before bodies that are near and in sight.
-
-    The body is no farther away than `guard_m`, to 1e-4 m, and no wall crosses the line between the
-    reference points of the two, or that between their nearest points.
-
-    Cost: negligible.
-    """
-    if run.family == "other":
-        return None
-    for stop in run.recording.of(Blocked):
-        at = np.array([stop.time_s])
-        bodies = run.bodies[stop.robot], run.bodies[stop.by]
-        places = run.tracks[stop.robot].at(at), run.tracks[stop.by].at(at)
-        one, other = (body.at(place)[0] for body, place in zip(bodies, places, strict=True))
-        apart_m = float(shapely.distance(one, other)) - bodies[0].radius_m - bodies[1].radius_m
-        lines = (
-            shapely.LineString([places[0][0, :2], places[1][0, :2]]),
-            shapely.shortest_line(one, other),
-        )
-        what = None
-        if apart_m > run.options["guard_m"] + GUARD_M:
-            what = f"{apart_m:.4f} m before robot {stop.by}, guarding {run.options['guard_m']:g} m"
-        elif not any(shapely.covers(run.walls.grown, line) for line in lines):
-            what = f"before robot {stop.by}, which is hidden by walls"
-        if what is not None:
-            return Violation(
-                invariant=STOPS,
-                says=f"robot {stop.robot} is stopped {what}, at {stop.time_s:.2f} s",
-                robot=stop.robot,
-                time_s=stop.time_s,
             )
     return None
 

@@ -119,6 +119,31 @@ def test_a_stop_too_far_from_a_body():
     assert "stopped 1.5000 m before robot 1, guarding 0.1 m" in says(run, "stops-before-bodies")
 
 
+@pytest.mark.parametrize(
+    ("start_x", "y", "finds"),
+    [
+        (0.5, 2.03, True),
+        (0.5, 2.06, False),  # not nearer than half of 0.1 m
+        (1.97, 2.03, False),  # near from the beginning
+    ],
+)
+def test_a_robot_that_drives_past_another_one(start_x, y, finds):
+    start = (start_x, y, 0.0)
+    motion = drive(0, (0.0, *start), (3.0, 3.5, y, 0.0))
+    run = written([motion], starts=(start, (2.0, 1.5, 0.0)), strategy="closest")
+    found = says(run, "stops-before-bodies")
+    assert ("drives on 0.0" in found and "from robot 1, guarding 0.1 m" in found) is finds
+
+
+def test_a_robot_that_drives_past_one_behind_a_wall():
+    rooms = shapely.box(0.0, 0.0, 4.0, 3.0).difference(shapely.box(1.0, 1.76, 3.0, 1.77))
+    motion = drive(0, (0.0, 1.5, 2.03, 0.0), (3.0, 2.5, 2.03, 0.0))
+    starts = ((1.5, 2.03, 0.0), (2.0, 1.5, 0.0))
+    environment = Environment("rooms", rooms)
+    run = written([motion], starts=starts, environment=environment, strategy="closest")
+    assert says(run, "stops-before-bodies") == ""
+
+
 def test_a_goal_of_a_higher_rank(bids):
     def other(chosen):
         return replace(

@@ -203,8 +203,8 @@ def leads_on(motion: Motion) -> bool:
 def waits_as_often_as_allowed(run: JudgedRun) -> Violation | None:
     """Check that a robot that bids waits for others to leave at most `max_waits` times in a row.
 
-    Each wait ends with a choice because it was blocked. In a row such choices find no goal, while
-    the robot neither moves, nor scans, nor learns anything.
+    Each wait is between two choices that find no goal, the second one because the robot was blocked
+    and perhaps the first, too. In a row the robot neither moves, nor scans, nor learns anything.
 
     Cost: negligible.
     """
@@ -213,14 +213,14 @@ def waits_as_often_as_allowed(run: JudgedRun) -> Violation | None:
     most: int = run.options["max_waits"]
     kinds = (GoalChosen, Motion, Sensed, NodeAdded, Learned)
     for robot, events in sorted(run.by_robot(*kinds).items()):
-        waits = 0
+        choices = 0
         for event in sorted(events, key=lambda event: event.time_s):
-            is_wait = isinstance(event, GoalChosen) and event.goal is None
-            waits = waits + 1 if is_wait and event.because == "blocked" else 0
-            if waits > most:
+            is_vain = isinstance(event, GoalChosen) and event.goal is None
+            choices = choices + 1 if is_vain and event.because == "blocked" else 0
+            if choices > most + 1:
                 return Violation(
                     invariant=OFTEN,
-                    says=f"robot {robot} waits for others to leave {waits} times in a row, until "
+                    says=f"robot {robot} waits for others to leave {choices - 1} times in a row, until "
                     f"{event.time_s:.2f} s; {most} are allowed",
                     robot=robot,
                     time_s=event.time_s,

@@ -403,19 +403,19 @@ def test_a_robot_is_boxed_in_after_its_attempts(reason, stops, stays, strategy, 
 
 
 @pytest.mark.parametrize(
-    ("waits", "between", "is_found"),
+    ("count", "between", "is_found"),
     [
-        (2, None, False),
-        (3, None, True),
-        (3, drive(0, (2.5, 0.5, 0.5, 0.0), (2.6, 0.6, 0.5, 0.0)), False),
-        (3, Learned(time_s=2.5, robot=0, nodes=((1, 0),)), False),
-        (3, Learned(time_s=2.5, robot=1, nodes=((0, 0),)), True),
+        (3, None, False),
+        (4, None, True),
+        (4, drive(0, (2.5, 0.5, 0.5, 0.0), (2.6, 0.6, 0.5, 0.0)), False),
+        (4, Learned(time_s=2.5, robot=0, nodes=((1, 0),)), False),
+        (4, Learned(time_s=2.5, robot=1, nodes=((0, 0),)), True),
     ],
 )
-def test_a_robot_waits_as_often_as_allowed(waits, between, is_found):
+def test_a_robot_waits_as_often_as_allowed(count, between, is_found):
     choices = [
         GoalChosen(time_s=1.0 + k, robot=0, rule="minpos", because="blocked", goal=None)
-        for k in range(waits)
+        for k in range(count)
     ]
     extra = [] if between is None else [between]
     for strategy in ("minpos", "srt-star"):

@@ -220,8 +220,8 @@ def waits_as_often_as_allowed(run: JudgedRun) -> Violation | None:
             if choices > most + 1:
                 return Violation(
                     invariant=OFTEN,
-                    says=f"robot {robot} waits for others to leave {choices - 1} times in a row, until "
-                    f"{event.time_s:.2f} s; {most} are allowed",
+                    says=f"robot {robot} waits for others to leave {choices - 1} times in a row, "
+                    f"until {event.time_s:.2f} s; {most} are allowed",
                     robot=robot,
                     time_s=event.time_s,
                 )

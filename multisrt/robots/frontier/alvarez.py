@@ -137,20 +137,22 @@ class Rules:
 
     def remember(self, robot: FrontierRobot, because: Event) -> tuple[Place, ...]:
         """Record what became of the last goal; return its place if others need not try it."""
-        place, self.place, self.wanders = self.place, None, False
-        self.in_vain = self.in_vain + 1 if because in (Event.NO_WAY, Event.BLOCKED) else 0
+        place, self.place = self.place, None
+        # A random place in vain does not count, so that the next goal is one by the rules.
+        in_vain = because in (Event.NO_WAY, Event.BLOCKED) and not self.wanders
+        self.in_vain, self.wanders = self.in_vain + 1 if in_vain else 0, False
         if place is None:
             return ()
         is_left = robot.is_frontier(*place) or is_open(robot.raster, place)
-        in_vain = because == Event.REACHED and is_left
+        gives_up = because == Event.REACHED and is_left
         if because == Event.NO_WAY:
             self.failures[place] += 1
-            in_vain = (
+            gives_up = (
                 self.failures[place] >= robot_options(robot).max_failures
                 or self.stuck_at == robot.at[:2]
             )
             self.stuck_at = robot.at[:2]
-        if not in_vain:
+        if not gives_up:
             return ()
         robot.team.cells.tried[place] = None
         robot.frontiers.give_up(place)

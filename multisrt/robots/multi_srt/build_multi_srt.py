@@ -107,7 +107,8 @@ class SrtExplorer:
         # With its third stage, the planner leaves frontier only if the robot was boxed in, which it
         # need not be any more: a path may have been found, but not to there.
         if open_m and (robot.progress.is_boxed_in or robot.options.complete):
-            walls = robot.is_walled_in and not robot.obstacles
+            # Another robot may be an obstacle now that was none when this one gave up.
+            walls = robot.is_walled_in and (robot.lacks_room or not robot.obstacles)
             boxed_in = WALLED_IN if walls else boxed_in_by(robot.obstacles.all)
             reason = f"{boxed_in}, with {open_m:.1f} m of frontier left open"
         elif open_m:

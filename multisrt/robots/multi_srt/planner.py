@@ -235,6 +235,8 @@ class Planner:
                     yield from robot.trees.defer(node, arc, bodies)
                     continue
                 place = robot.views.off_the_roadmap(node, arc)
+                if place is None and robot.may_be_barred_in:
+                    return "stay", None
                 if place is None:
                     yield from self._close(node, arc, "not reachable")
                     continue
@@ -273,6 +275,7 @@ class Planner:
         if reason == "not reachable" and self._robot.roadmap.is_car:
             self._robot.finds_no_motion = True
         if self._robot.is_walled_in:
+            self._robot.lacks_room = True
             self._robot.progress.note(Event.NO_ROOM)
             raise BoxedIn
         yield from self._robot.trees.close(node, arc, reason)

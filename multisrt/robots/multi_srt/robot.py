@@ -71,6 +71,8 @@ class SrtRobot:
         When it delivers its data, if it ever does.
     finds_no_motion : bool
         Whether it is a car that found no motion to a place from which an arc is seen.
+    lacks_room : bool
+        Whether it gave up at its start, where walls alone leave it no motion.
 
     Raises
     ------
@@ -105,6 +107,7 @@ class SrtRobot:
         self.journey = Journey(self.at, self.map, self.roadmap)
         self.progress = Progress(options)
         self.finds_no_motion = False
+        self.lacks_room = False
         self.team = Team(me, options, self.at, self.map, roster)
         self.homing = (
             None
@@ -123,13 +126,23 @@ class SrtRobot:
 
         Or, if it is a car, where it has found no motion to what it sees.
         """
-        root = self.trees.root
-        if self.at.here != root or NodeId(self.me.robot, root.serial + 1) in self.map:
+        if self.has_left:
             return False
         if self.finds_no_motion:
             return True
-        node = self.map[root]
+        node = self.map[self.trees.root]
         return not self.planner.body.is_roomy(node.region.boundary, node.configuration)
+
+    @property
+    def may_be_barred_in(self) -> bool:
+        """Whether it is a car at its start, and bodies may be why it finds no motion from there."""
+        return self.roadmap.is_car and bool(self.obstacles) and not self.has_left
+
+    @property
+    def has_left(self) -> bool:
+        """Whether the robot has left its start, or added a node there."""
+        root = self.trees.root
+        return self.at.here != root or NodeId(self.me.robot, root.serial + 1) in self.map
 
     def is_without_place(self, node: NodeId) -> bool:
         """Whether robots like this one found no place at a node `no_place_after` times."""

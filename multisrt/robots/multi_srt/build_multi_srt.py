@@ -14,6 +14,7 @@ from multisrt.robots.multi_srt.support import (
     Supported,
     ask_those_in_the_way,
     follow_orders,
+    open_frontier,
     support_others,
 )
 from multisrt.robots.multi_srt.trees import segments_of
@@ -49,6 +50,8 @@ class SrtExplorer:
         robot, supported = self.robot, Supported()
         yield from robot.team.begin_step()
         yield from self.in_time(self.explore())
+        if not robot.options.support:
+            supported.left_m[robot.trees.root] = open_frontier(robot, robot.trees.root)
         while True:
             if not robot.team.is_alone and not self.is_out_of_time:
                 yield from self.in_time(self.support(supported))

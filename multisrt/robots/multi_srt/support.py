@@ -105,9 +105,9 @@ def select(robot: SrtRobot, supported: Supported) -> Generator[Action, Outcome, 
     robot.trees.reopened.clear()
     for root in reopened:
         supported.left_m.pop(root, None)
-    # Without support, a robot continues with its own tree if arcs of it were opened again.
-    own = reopened.intersection((robot.trees.root,))
-    roots = robot.map.roots() if robot.options.support else own
+    # Without support, a robot continues with its own tree if that has more frontier than it left:
+    # arcs were opened again, or it has given way and added a node.
+    roots = robot.map.roots() if robot.options.support else [robot.trees.root]
     open_m = {root: open_frontier(robot, root) for root in roots}
     active = {root: active_robots(robot, root) for root in open_m}
     candidates = tuple(

@@ -180,9 +180,8 @@ def test_breakages_are_listed(capsys):
 
 
 @pytest.mark.slow
-def test_kills_and_signals_lose_nothing(tmp_path, monkeypatch, capsys):
+def test_signals_lose_nothing(tmp_path, monkeypatch, capsys):
     def breaks(case: Case) -> None:
-        breakages.signalled(case, signal.SIGKILL, 1)
         breakages.signalled(case, signal.SIGTERM, 1)
 
     monkeypatch.setattr(command, "SUBJECTS", {"experiment": SMALL})

@@ -265,6 +265,17 @@ def test_measures_that_are_not_those_of_the_events(bids, name, monkeypatch):
     assert name in says(bids, "measures-consistent")
 
 
+@pytest.mark.parametrize(("seen", "finds"), [(0.985, False), (0.97, True)])
+def test_an_informed_plan_that_shows_less_than_it_is_to(seen, finds, monkeypatch):
+    monkeypatch.setattr(measures, "ONE_IN", 1)
+    run = executed(RunSpec(environment=OPEN, strategy="informed", options={"effort": 0.001}))
+    said, curves = measure_with_curves(run.recording, run.environment)
+    assert said.seen >= 0.99
+    less = replace(said, seen=seen)
+    monkeypatch.setattr(measures, "measure_with_curves", lambda *_: (less, curves))
+    assert ("by an informed plan for 0.99" in says(run, "measures-consistent")) is finds
+
+
 # Two robots stand 3 m apart, and hear each other over 2 m only through the base station between
 # them; a third one is out of reach of all, and dies at 10 s. The radio of the first is silent from
 # 12 to 15 s.

@@ -54,11 +54,12 @@ def reaches_all_in_reach(run: JudgedRun) -> Violation | None:
 
 
 def losses_at_rate(run: JudgedRun) -> Violation | None:
-    """Check that messages are lost at the rate of the radio.
+    """Check that messages are lost at the rate of the radio, independently for each receiver.
 
     The losses are compared with the rate by a likelihood ratio: that of a uniform prior over all
-    rates to that of the rate of the spec. If losses are independent at that rate, it exceeds 1e9 at
-    any time of a run with probability at most 1e-9 (Ville's inequality).
+    rates to that of the rate of the spec. A second ratio is that of a radio by which half of the
+    messages are lost for all receivers or for none. If losses are independent at the rate, each
+    ratio exceeds 1e9 at any time of a run with probability at most 1e-9 (Ville's inequality).
 
     Cost: negligible.
     """
@@ -68,12 +69,30 @@ def losses_at_rate(run: JudgedRun) -> Violation | None:
     if loss == 0.0 or lost + came == 0:
         return None
     mixed = math.lgamma(lost + 1) + math.lgamma(came + 1) - math.lgamma(lost + came + 2)
-    if mixed - lost * math.log(loss) - came * math.log1p(-loss) <= math.log(ODDS):
+    if mixed - lost * math.log(loss) - came * math.log1p(-loss) > math.log(ODDS):
+        says = (
+            f"{lost} of {lost + came} receptions are lost, by a radio that loses {loss:g} of them"
+        )
+    elif sum(_log_odds_of_one_fate(message, loss) for message in sent) > math.log(ODDS):
+        says = (
+            "messages are lost for all of their receivers, or for none, more often than by chance"
+        )
+    else:
         return None
-    return Violation(
-        invariant=LOSSES,
-        says=f"{lost} of {lost + came} receptions are lost, by a radio that loses {loss:g} of them",
-    )
+    return Violation(invariant=LOSSES, says=says)
+
+
+def _log_odds_of_one_fate(message: Sent, loss: float) -> float:
+    """Return the logarithm of a likelihood ratio: that half of the messages have one fate for all.
+
+    The other half, and all messages by the radio of the spec, are lost independently.
+    """
+    lost, came = len(message.lost), len(message.reached)
+    if lost + came < 2:
+        return 0.0
+    independent = loss**lost * (1.0 - loss) ** came
+    common = loss if came == 0 else 1.0 - loss if lost == 0 else 0.0
+    return math.log(0.5 * common / independent + 0.5)
 
 
 def _violations(

@@ -119,6 +119,26 @@ def test_a_stop_too_far_from_a_body():
     assert "stopped 1.5000 m before robot 1, guarding 0.1 m" in says(run, "stops-before-bodies")
 
 
+@pytest.mark.parametrize(("together", "finds"), [(True, True), (False, False)])
+def test_losses_of_all_receivers_together(together, finds):
+    fates = [((k // 2) % 4 == 0, (k if together else k + 3) // 2 % 4 == 0) for k in range(400)]
+    sent = [
+        Sent(
+            time_s=0.01 * k,
+            robot=0,
+            kind="report",
+            size_bytes=9,
+            reached=tuple(n for n in (1, 2) if not fates[k][n - 1]),
+            lost=tuple(n for n in (1, 2) if fates[k][n - 1]),
+        )
+        for k in range(400)
+    ]
+    starts = ((0.5, 1.5, 0.0), (2.0, 1.5, 0.0), (3.5, 1.5, 0.0))
+    run = written(sent, starts=starts, radio=RadioSpec(loss=0.25))
+    found = says(run, "losses-at-rate")
+    assert found.startswith("messages are lost for all of their receivers, or for none") is finds
+
+
 @pytest.mark.parametrize(
     ("start_x", "y", "finds"),
     [

@@ -6,7 +6,7 @@ import re
 import shlex
 from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import click
 
@@ -38,9 +38,11 @@ Examples:
 
 
 class Duration(click.ParamType[float]):
-    """A duration: ``90s``, ``15m``, ``2h`` or ``1.5h``."""
+    """A duration: ``90s``, ``15m``, ``1.5h`` or ``1h30m``."""
 
     name = "duration"
+    _UNITS: Final = {"d": 86_400.0, "h": 3600.0, "min": 60.0, "m": 60.0, "s": 1.0}
+    _PART: Final = rf"(\d+(?:\.\d+)?) ?({'|'.join(_UNITS)})"
 
     def convert(
         self, value: object, param: click.Parameter | None, ctx: click.Context | None
@@ -48,13 +50,13 @@ class Duration(click.ParamType[float]):
         """Return it in seconds."""
         if isinstance(value, float):
             return value
-        found = re.fullmatch(r"(\d+(?:\.\d+)?) ?(s|m|min|h|d)", str(value).strip())
-        if found is None or float(found[1]) == 0.0:
-            self.fail(f"{value!r} is not a duration such as 90s, 15m or 2h", param, ctx)
-        return (
-            float(found[1])
-            * {"s": 1.0, "m": 60.0, "min": 60.0, "h": 3600.0, "d": 86_400.0}[found[2]]
-        )
+        text = str(value).strip()
+        is_one = re.fullmatch(rf"{self._PART}(?: ?{self._PART})*", text) is not None
+        parts = re.findall(self._PART, text) if is_one else []
+        duration_s = sum(float(number) * self._UNITS[unit] for number, unit in parts)
+        if duration_s == 0.0:
+            self.fail(f"{value!r} is not a duration such as 90s, 15m or 1h30m", param, ctx)
+        return duration_s
 
 
 @click.group(cls=CommandGroup, epilog=EXAMPLES)
@@ -78,7 +80,7 @@ def campaign() -> None:
     "for_s",
     type=Duration(),
     metavar="TIME",
-    help="Start no more missions after this time: 90s, 15m, 2h.",
+    help="Start no more missions after this time: 90s, 15m, 1h30m.",
 )
 @click.option(
     "--workers", type=click.IntRange(1), default=1, show_default=True, help="Number of processes."

@@ -87,10 +87,11 @@ def test_missing_folders_of_a_store_are_made(call, folder):
     assert (folder / "new/newer/x.sqlite").is_file()
 
 
-def test_a_campaign_for_a_time(call, monkeypatch):
+@pytest.mark.parametrize("time", ["1.5h", "1h30m", "1 h 29 min 60s", "90m"])
+def test_a_campaign_for_a_time(call, monkeypatch, time):
     given = {}
     monkeypatch.setattr(running, "run_campaign", lambda store, **more: given.update(more))
-    code, out, _ = call("run", "--for", "1.5h", "--workers", "2", "--shrink", "0")
+    code, out, _ = call("run", "--for", time, "--workers", "2", "--shrink", "0")
     assert code == 0
     assert "no mission is stored yet" in out
     assert (given["for_s"], given["missions"]) == (5400.0, None)
@@ -101,9 +102,10 @@ def test_a_campaign_for_a_time(call, monkeypatch):
     ("words", "said"),
     [
         (["run"], "give --missions or --for"),
-        (["run", "--for", "2 weeks"], "'2 weeks' is not a duration such as 90s, 15m or 2h"),
+        (["run", "--for", "2 weeks"], "'2 weeks' is not a duration such as 90s, 15m or 1h30m"),
         (["run", "--missions", "x"], "--missions: 'x' is not a whole number; see"),
         (["run", "--for", "0s"], "'0s' is not a duration"),
+        (["run", "--for", "1h30"], "'1h30' is not a duration"),
         (["show", "nothing.sqlite"], "nothing.sqlite"),
         (["replay", "nothing"], "there is no nothing: name the folder of a failure"),
     ],

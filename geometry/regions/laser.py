@@ -98,10 +98,12 @@ def _z_buffer(
         ax, ay = edges[e, 0] - x, edges[e, 1] - y
         bx, by = edges[e, 2] - x, edges[e, 3] - y
         cross = ax * by - ay * bx
-        if cross <= 0.0:
-            continue
         dx, dy = bx - ax, by - ay
-        if cross * cross >= radius2 * (dx * dx + dy * dy):
+        length2 = dx * dx + dy * dy
+        # Where a beam meets an edge that is seen along its length would be rounding alone.
+        if cross <= 0.0 or cross * cross <= MIN_CLEARANCE_M * MIN_CLEARANCE_M * length2:
+            continue
+        if cross * cross >= radius2 * length2:
             continue
         leaves_range = ax * dx + ay * dy >= 0.0 and ax * ax + ay * ay > radius2
         never_enters = bx * dx + by * dy <= 0.0 and bx * bx + by * by > radius2

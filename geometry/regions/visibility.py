@@ -244,7 +244,9 @@ def _facing_edges(view: _View, edges: FloatArray, found: IntArray) -> tuple[_Fac
             if t1 < 1.0:
                 bx, by = ox + t1 * dx, oy + t1 * dy
         start, end = _pseudo_angle(ax, ay), _pseudo_angle(bx, by)
-        if start == end:
+        # An edge spans less than half a circle, so one that ends before it begins and does not
+        # cross the direction +x is seen along its length, up to rounding.
+        if start == end or 0.0 < start - end < 2.0:
             continue
         last = n
         if end < start:

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from shapely import LineString, Point
+from shapely import LineString, Point, Polygon, box
 
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.regions.laser import laser_ranges
@@ -45,6 +45,27 @@ def test_laser_directions_may_be_any_angle(worlds, turns):
     plain = laser_ranges(index, 7.0, 8.0, 4.0, 60, first_rad=2 * math.pi * (turns % 1.0))
     turned = laser_ranges(index, 7.0, 8.0, 4.0, 60, first_rad=2 * math.pi * turns)
     assert turned == pytest.approx(plain, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "corners"),
+    [
+        (-2.6, -2.4000000000000004, [(-2.2, -2.8000000000000003), (-1.8, -3.2), (-2.2, -3.6)]),
+        (
+            1.0,
+            2.8000000000000003,
+            [(0.6000000000000001, 2.4000000000000004), (0.4, 2.2), (0.2, 2.4)],
+        ),
+        (11.200000000000001, -10.4, [(8.8, -8.0), (8.0, -7.2), (8.8, -6.4)]),
+    ],
+)
+def test_beams_along_an_edge_end_where_it_begins(worlds, x, y, corners):
+    # The first edge points at the viewpoint but for rounding, along one of eight beams.
+    obstacle = Polygon(corners)
+    index = worlds.index(box(-20, -20, 20, 20).difference(obstacle))
+    found = laser_ranges(index, x, y, 4.0, 8).min()
+    assert found == pytest.approx(math.dist((x, y), corners[0]), abs=1e-9)
+    assert found == pytest.approx(obstacle.distance(Point(x, y)), abs=1e-9)
 
 
 def test_refuses_two_beams(worlds):

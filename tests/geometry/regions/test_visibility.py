@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import pyvispoly
 import shapely
-from hypothesis import given
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from shapely import LineString, Point, Polygon, affinity, box
 
@@ -15,6 +15,9 @@ from multisrt.geometry.regions.boundary import GAP, OBSTACLE, RANGE, arc_divisio
 from multisrt.geometry.regions.edge_index import EdgeIndex
 from multisrt.geometry.regions.laser import laser_ranges
 from multisrt.geometry.regions.visibility import visibility_polygon
+
+RAD = math.pi / 360.0
+"""Half a degree."""
 
 UNLIMITED = 60.0
 """A range in metres beyond the size of every test world."""
@@ -280,3 +283,33 @@ def test_nothing_is_seen_through_an_edge_seen_edge_on(worlds):
     ends = np.roll(boundary, -1, axis=0)
     pieces = np.stack([boundary, ends], axis=1)[tags != OBSTACLE]
     assert shapely.multilinestrings(pieces).distance(shapely.Point(0.5, 0.26)) > 0.2
+
+
+@settings(max_examples=40)
+@given(
+    step=st.sampled_from([0.05, 0.1, 0.3, 0.4, 0.8]),
+    place=st.tuples(st.integers(-12, 12), st.integers(-12, 12)),
+    along=st.tuples(st.integers(-5, 5), st.integers(-5, 5)).filter(any),
+    ends=st.sampled_from([(1, 2), (1, 4), (2, 3), (3, 5)]),
+    side=st.sampled_from([-1, 1]),
+)
+@example(step=0.4, place=(20, 14), along=(-1, 2), ends=(2, 7), side=1)
+@example(step=0.4, place=(20, 14), along=(-1, 2), ends=(2, 7), side=-1)
+def test_edges_that_point_at_the_viewpoint(worlds, step, place, along, ends, side):
+    # On a lattice, so that they point at it but for rounding.
+    (i, j), (di, dj), (first, last) = place, along, ends
+    cells = (
+        (i, j),
+        (i + first * di, j + first * dj),
+        (i + last * di, j + last * dj),
+        (i + last * di - side * dj, j + last * dj + side * di),
+    )
+    (x, y), *corners = [(round(step * column, 3), round(step * row, 3)) for column, row in cells]
+    free = box(-50, -50, 50, 50).difference(Polygon(corners))
+    boundary, _ = visibility_polygon(worlds.index(free, 2.0), x, y, 2.0)
+    assert np.hypot(*(boundary - (x, y)).T).max() <= 2.0 + 1e-9
+    seen = Polygon(boundary)
+    assert seen.is_valid
+    disc = Polygon([(x + 2 * math.cos(t), y + 2 * math.sin(t)) for t in np.arange(720) * RAD])
+    truth = Cgal(free).view(x, y).intersection(disc)
+    assert seen.symmetric_difference(truth).area < 0.01 * truth.area

@@ -92,18 +92,16 @@ def data_is_returned(run: JudgedRun) -> Violation | None:
 def turns_back_in_time(run: JudgedRun) -> Violation | None:
     """Check that a robot sets out to explore only while there is time to come home.
 
-    With ``home="in-time"`` or ``"worth"``, for single robots that bid. When a motion to explore
-    begins, while the base station lacks a node of the robot, the time left is at least that of the
-    straight way to where the base station may hear it, with the share `home_margin`, and
-    `home_reserve_s`. This holds once it has been where it is certainly heard and can drive there;
-    see `data_is_returned`, also for the runs that are not judged.
+    With ``home="in-time"`` or ``"worth"``. When a motion to explore begins, while the base station
+    lacks a node of the robot, the time left is at least that of the straight way to where the base
+    station may hear it, with the share `home_margin`, and `home_reserve_s`. This holds once it has
+    been where it is certainly heard and can drive there; see `data_is_returned`, also for the runs
+    that are not judged.
 
     Cost: negligible.
     """
     spec, options = run.recording.spec, run.options
-    if not _is_surely_heard(run) or run.family != "frontier" or len(run.robots) > 1:
-        return None
-    if options["home"] not in ("in-time", "worth"):
+    if not _is_surely_heard(run) or options["home"] not in ("in-time", "worth"):
         return None
     assert spec.base is not None
     learned_s = {
@@ -111,23 +109,23 @@ def turns_back_in_time(run: JudgedRun) -> Violation | None:
         for event in run.recording.of(BaseLearned)
         for robot, serial in event.nodes
     }
-    speed_m_s = spec.robots[0].drive.speed_m_s
-    heard_m = spec.radio.reach_m + 2.0 * options["cell_m"]
+    heard_m = spec.radio.reach_m + 2.0 * options.get("cell_m", 0.0)
     for motion in sorted(run.recording.of(Motion), key=lambda motion: motion.time_s):
-        now_s = motion.waypoints[0][0]
+        robot, now_s = motion.robot, motion.waypoints[0][0]
+        speed_m_s = spec.robots[robot].drive.speed_m_s
         away_m = max(0.0, math.dist(motion.waypoints[0][1:3], spec.base.place) - heard_m)
         home_s = away_m * (1.0 + options["home_margin"]) / speed_m_s + options["home_reserve_s"]
         left_s = spec.stop.max_time_s - now_s
         if motion.purpose != "explore" or away_m == 0.0 or left_s >= home_s - ROUNDING_S:
             continue
-        known = [name for name, time_s in run.known[0].items() if time_s <= now_s]
+        known = [name for name, time_s in run.known[robot].items() if time_s <= now_s]
         carries = any(learned_s.get(name, math.inf) > now_s for name in known)
-        if carries and _may_be_heard(run, 0, known, now_s):
+        if carries and _may_be_heard(run, robot, known, now_s):
             return Violation(
                 invariant=IN_TIME,
-                says=f"robot 0 sets out to explore at {now_s:.2f} s, {away_m:.2f} m from where it "
-                f"may be heard, with {left_s:.2f} s left, of which it needs {home_s:.2f} s",
-                robot=0,
+                says=f"robot {robot} sets out to explore at {now_s:.2f} s, {away_m:.2f} m from "
+                f"where it may be heard, with {left_s:.2f} s left, and needs {home_s:.2f} s",
+                robot=robot,
                 time_s=now_s,
             )
     return None

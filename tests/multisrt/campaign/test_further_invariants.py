@@ -346,7 +346,8 @@ def test_isolation_is_that_of_links(relays, measured, what, monkeypatch):
         (22.0, {"home": "in-time", "home_reserve_s": 5.0}, False),
     ],
 )
-def test_a_robot_that_sets_out_too_late(begin_s, options, finds):
+@pytest.mark.parametrize("strategy", ["closest", "srt-star"])
+def test_a_robot_that_sets_out_too_late(begin_s, options, finds, strategy):
     # 6.02 m from the base station, of which 2 m and two cells are in reach: 7.64 s at 0.5 m/s, a
     # quarter of that, and 10 s in reserve. It has to turn back at 21.45 s.
     room = Environment("hall", shapely.box(0.0, 0.0, 12.0, 3.0))
@@ -361,7 +362,7 @@ def test_a_robot_that_sets_out_too_late(begin_s, options, finds):
         [*nodes, *motions],
         starts=((1.0, 1.5, 0.0),),
         environment=room,
-        strategy="closest",
+        strategy=strategy,
         options=options,
         radio=RadioSpec(range_m=2.0),
         base=BaseSpec(x=1.0, y=1.0),

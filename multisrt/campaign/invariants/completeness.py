@@ -352,6 +352,7 @@ def reach_of(run: JudgedRun, robot: int) -> Reach:
     finder = spec.range_finder
     # Regions of others, with other range finders, count as its own.
     blind_m = max(_blind_m(robot.range_finder) for robot in run.recording.spec.robots)
+    blinder_m = blind_m - _blind_m(finder)
     width_m = body.width_m
     if run.family == "srt":
         if run.recording.spec.strategy != "srt-radial":
@@ -360,6 +361,7 @@ def reach_of(run: JudgedRun, robot: int) -> Reach:
         return Reach(
             off_walls_m=off_m,
             off_unknown_m=off_m,
+            enters_m=off_m,
             scrap_m=SRT_SCRAP_M,
             blind_m=blind_m,
             sees_m=finder.range_m - SRT_MIN_EXCESS_M,
@@ -367,10 +369,12 @@ def reach_of(run: JudgedRun, robot: int) -> Reach:
             is_ball=run.recording.spec.strategy == "srt-ball",
         )
     cell_m, min_frontier_m = options["cell_m"], options["min_frontier_m"]
+    # What a laser takes for a wall narrows passages on the raster.
+    off_m = body.circumscribed_m + options["margin_m"] + 2.0 * cell_m + blind_m
     return Reach(
-        # What a laser takes for a wall narrows passages on the raster.
-        off_walls_m=body.circumscribed_m + options["margin_m"] + 2.0 * cell_m + blind_m,
+        off_walls_m=off_m,
         off_unknown_m=1.5 * cell_m,
+        enters_m=off_m - blinder_m,
         scrap_m=cell_m,
         blind_m=blind_m and blind_m + cell_m,
         sees_m=min(3.0 * cell_m, finder.range_m),

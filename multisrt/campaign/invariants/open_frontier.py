@@ -61,6 +61,9 @@ class Reach:
         Distance of its reference point from walls that is certainly sufficient.
     off_unknown_m : float
         The same for the unknown area.
+    enters_m : float
+        Distance of where it is from such places at which it certainly has a path to them. A robot
+        whose range finder shows more than those of others may stand where these show a wall.
     scrap_m : float
         Unknown parts that contain no disc of this radius are ignored.
     blind_m : float
@@ -75,6 +78,7 @@ class Reach:
 
     off_walls_m: float
     off_unknown_m: float
+    enters_m: float
     scrap_m: float
     blind_m: float
     sees_m: float
@@ -119,7 +123,7 @@ def open_frontiers(
     if unknown.is_empty:
         return []
     standing = standing_space(run, robot, names, reach, obstacles)
-    standing = _part_at(standing, at, reach.off_walls_m)
+    standing = _part_at(standing, at, reach.enters_m)
     if looked is not None:
         standing = solid(standing.difference(looked))
     if standing.is_empty:
@@ -182,7 +186,7 @@ def path_leads(
         The places: x and y come first.
     """
     standing = standing_space(run, robot, names, reach, obstacles)
-    part = _part_at(standing, at, reach.off_walls_m)
+    part = _part_at(standing, at, reach.enters_m)
     there = shapely.MultiPoint([(place[0], place[1]) for place in places])
     return bool(shapely.dwithin(part, there, reach.off_walls_m))
 

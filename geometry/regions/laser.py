@@ -90,7 +90,7 @@ def _z_buffer(
     clearance = signed_clearance(x, y, radius, grid, found)
     if clearance < MIN_CLEARANCE_M:
         return ranges, clearance
-    radius2 = radius * radius
+    radius2, tiny2 = radius * radius, MIN_CLEARANCE_M * MIN_CLEARANCE_M
     per_rad = beams / (2.0 * np.pi)
     last_x, last_y, last_angle = 0.0, 0.0, 0.0
     for k in range(found.shape[0]):
@@ -100,8 +100,9 @@ def _z_buffer(
         cross = ax * by - ay * bx
         dx, dy = bx - ax, by - ay
         length2 = dx * dx + dy * dy
-        # Where a beam meets an edge that is seen along its length would be rounding alone.
-        if cross <= 0.0 or cross * cross <= MIN_CLEARANCE_M * MIN_CLEARANCE_M * length2:
+        # Where a beam meets an edge that is hardly longer than a point, or seen along its length,
+        # would be rounding alone.
+        if length2 <= tiny2 or cross <= 0.0 or cross * cross <= tiny2 * length2:
             continue
         if cross * cross >= radius2 * length2:
             continue

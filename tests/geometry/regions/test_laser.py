@@ -68,6 +68,13 @@ def test_beams_along_an_edge_end_where_it_begins(worlds, x, y, corners):
     assert found == pytest.approx(obstacle.distance(Point(x, y)), abs=1e-9)
 
 
+def test_an_edge_hardly_longer_than_a_point_stops_no_beam_too_early(worlds):
+    twice = [(1.6, 0.8), (1.4, 0.6), (1.2, 1.2), (2.0, 1.2), (1.6, 0.8000000000000002)]
+    index = worlds.index(box(-20, -20, 20, 20).difference(Polygon(twice)))
+    ranges = laser_ranges(index, 1.8, 0.6, 4.0, 8)
+    assert ranges.min() == ranges[3] == pytest.approx(math.dist((1.8, 0.6), twice[0]), abs=1e-9)
+
+
 def test_refuses_two_beams(worlds):
     with pytest.raises(InvalidInputError, match="at least 3 beams, not 2"):
         laser_ranges(worlds.index(worlds.hall()), 5.0, 5.0, 4.0, 2)

@@ -86,9 +86,11 @@ class BaseStation(Listener):
 
     def _take_message(self, message: Message) -> Steps:
         sender = message.sender
-        new = self._merge(entries_in(message))
+        entries = entries_in(message)
+        new = self._merge(entries)
         if new:
             yield Note(BaseLearned(time_s=self.time_s, robot=sender, nodes=new))
+        yield from self._take_as_answer(entries)
         if isinstance(message, WantMessage):
             yield from self._answer_want(message)
             yield from self._acknowledge(sender)

@@ -202,14 +202,17 @@ class Listener(ABC):
                 return
 
     def learn(self, entries: tuple[Entry, ...]) -> Steps:
-        """Add entries of others to the map, and record which nodes were new.
-
-        They answer the questions for entries of their robots: whatever was heard of meanwhile is
-        asked for now.
-        """
+        """Add entries of others to the map, and record which nodes were new."""
         new = self._merge(entries)
         if new:
             yield Note(Learned(time_s=self._clock.time_s, robot=self.number, nodes=new))
+        yield from self._take_as_answer(entries)
+
+    def _take_as_answer(self, entries: tuple[Entry, ...]) -> Steps:
+        """Take entries as answers to the questions for those of their robots.
+
+        Whatever was heard of meanwhile is asked for now.
+        """
         for robot in sorted({entry.id.robot for entry in entries}):
             self._wanted.pop(robot, None)
             put_off = self._put_off.pop(robot, None)

@@ -93,6 +93,16 @@ def test_it_asks_for_what_it_lacks_and_then_acknowledges(station, nodes):
     assert station(answer, 1.7) == [learned(0, 1, 2, at_s=1.7), acknowledged(((0, 3, 1),))]
 
 
+def test_it_asks_with_an_answer_for_what_it_heard_of_meanwhile(station, nodes):
+    want = Send(WantMessage(sender=BASE, have=()), 0)
+    assert station(report(have=((0, 2, 0),)), 1.0) == [want]
+    # Robot 1 knows more, but the question is under way.
+    assert station(report(have=((0, 3, 0),), sender=1), 1.1) == []
+    answer = EntriesMessage(sender=0, entries=tuple(nodes[:2]))
+    rest = Send(WantMessage(sender=BASE, have=((0, 2, 0),)), 1)
+    assert station(answer, 1.2) == [learned(0, 1, at_s=1.2), rest, acknowledged(((0, 2, 0),))]
+
+
 def test_a_node_beyond_a_gap_is_learned_and_the_gap_asked_for(station, nodes):
     late = report(nodes[3], have=((0, 4, 0),))
     assert station(late) == [learned(3), Send(WantMessage(sender=BASE, have=((0, 0, 0),)), 0)]

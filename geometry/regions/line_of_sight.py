@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import math
+from typing import Final
 
 import numpy as np
 
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.geometry.numerics.kernel import FloatArray, IntArray, kernel
+from multisrt.geometry.numerics.kernel import FloatArray, IntArray, inlined_kernel, kernel
 from multisrt.geometry.regions.edge_index import EdgeGrid, EdgeIndex
+
+ON_LINE_M: Final = 1e-9
+"""A corner at most this far from a line lies on it, in metres."""
 
 
 def line_of_sight(index: EdgeIndex, ax: float, ay: float, bx: float, by: float) -> bool:
@@ -52,6 +56,13 @@ def line_of_sight(index: EdgeIndex, ax: float, ay: float, bx: float, by: float) 
     return bool(segment_is_free(float(ax), float(ay), float(bx), float(by), index.grid))
 
 
+@inlined_kernel
+def _side(ux: float, uy: float, x: float, y: float) -> float:
+    # Distance of a point from a line through the origin; 0 if it lies on it but for rounding.
+    side = ux * y - uy * x
+    return 0.0 if abs(side) <= ON_LINE_M else side
+
+
 @kernel
 def segment_is_free(ax: float, ay: float, bx: float, by: float, grid: EdgeGrid) -> bool:
     """Return what `line_of_sight` returns, as a kernel."""
@@ -73,7 +84,7 @@ def segment_is_free(ax: float, ay: float, bx: float, by: float, grid: EdgeGrid) 
         e = crossed[k]
         px, py = edges[e, 0] - ax, edges[e, 1] - ay
         qx, qy = edges[e, 2] - ax, edges[e, 3] - ay
-        side_p, side_q = ux * py - uy * px, ux * qy - uy * qx
+        side_p, side_q = _side(ux, uy, px, py), _side(ux, uy, qx, qy)
         fraction = side_p / (side_p - side_q)
         t = ux * (px + fraction * (qx - px)) + uy * (py + fraction * (qy - py))
         if 0.0 < t < length:
@@ -129,8 +140,8 @@ def edges_across(ax: float, ay: float, bx: float, by: float, grid: EdgeGrid) -> 
         if 0 <= i < grid.columns and 0 <= j < grid.rows:
             k = i * grid.rows + j
             for e in bins[bins[k] : bins[k + 1]]:
-                side_p = ux * (edges[e, 1] - ay) - uy * (edges[e, 0] - ax)
-                side_q = ux * (edges[e, 3] - ay) - uy * (edges[e, 2] - ax)
+                side_p = _side(ux, uy, edges[e, 0] - ax, edges[e, 1] - ay)
+                side_q = _side(ux, uy, edges[e, 2] - ax, edges[e, 3] - ay)
                 if (
                     side_p != side_q
                     and min(side_p, side_q) <= 0.0 <= max(side_p, side_q)
@@ -192,7 +203,7 @@ def crossings(
         e = crossed[k]
         px, py = edges[e, 0] - ax, edges[e, 1] - ay
         qx, qy = edges[e, 2] - ax, edges[e, 3] - ay
-        side_p, side_q = ux * py - uy * px, ux * qy - uy * qx
+        side_p, side_q = _side(ux, uy, px, py), _side(ux, uy, qx, qy)
         fraction = side_p / (side_p - side_q)
         at[k] = ux * (px + fraction * (qx - px)) + uy * (py + fraction * (qy - py))
         into = 1 if side_q > side_p else -1

@@ -73,9 +73,11 @@ def test_a_place_sees_itself(worlds):
 @given(
     st.lists(st.tuples(st.integers(0, 20), st.integers(0, 20)), min_size=2, max_size=2),
     st.integers(0, 5),
+    st.sampled_from([1.0, 0.2, 0.6, 0.8]),
 )
-def test_lines_between_lattice_points_equal_shapely(worlds, ends, seed):
-    # Corners and ends on one lattice of halves: grazing is the rule here.
+def test_lines_between_lattice_points_equal_shapely(worlds, ends, seed, scale):
+    # Corners and ends on one lattice of halves: grazing is the rule here. On a finer lattice they
+    # graze but for rounding.
     rng = np.random.default_rng(seed)
     lows = rng.integers(2, 16, (8, 2)) / 2
     sizes = rng.integers(1, 4, (8, 2)) / 2
@@ -89,4 +91,22 @@ def test_lines_between_lattice_points_equal_shapely(worlds, ends, seed):
         return
     line = LineString([(ax, ay), (bx, by)])
     truth = line.length == 0 or bool(free.covers(line))
-    assert line_of_sight(worlds.index(free), ax, ay, bx, by) == truth
+    finer = shapely.transform(free, lambda corners: np.round(scale * corners, 3))
+    ax, ay, bx, by = np.round(scale * np.array([ax, ay, bx, by]), 3).tolist()
+    assert line_of_sight(worlds.index(finer), ax, ay, bx, by) == truth
+    assert line_of_sight(worlds.index(finer), bx, by, ax, ay) == truth
+
+
+@pytest.mark.parametrize(
+    ("here", "there", "corners"),
+    [
+        ((6.0, 5.1), (3.9, 0.9), [(4.2, 1.5), (4.5, 2.1), (4.8, 1.5), (4.5, 0.9)]),
+        ((0.0, 2.4), (2.2, 0.2), [(1.6, 0.8), (1.4, 1.0), (1.6, 1.2), (1.8, 1.0)]),
+        ((0.8, 0.2), (1.4, 0.8), [(1.1, 0.1), (0.9, 0.3), (1.1, 0.5)]),
+        ((3.6, 0.2), (0.0, 3.8), [(0.8, 3.0), (1.8, 2.8), (1.0, 2.8)]),
+    ],
+)
+def test_lines_along_a_wall_but_for_rounding(worlds, here, there, corners):
+    index = worlds.index(box(-9, -9, 9, 9).difference(Polygon(corners)))
+    assert line_of_sight(index, *here, *there)
+    assert line_of_sight(index, *there, *here)

@@ -307,9 +307,12 @@ def _left_by_srt(
     only = border.simplify(0.01).buffer(near_m, quad_segs=2)
     if _gives_up_early(run, robot):
         seen = _closed_arcs(run.recording.of(ArcClosed), "seen from near")
-        only = only.difference(seen.buffer(near_m, quad_segs=2))
+        only = shapely.difference(only, seen.buffer(near_m, quad_segs=2), grid_size=GRID_M)
+    if not (found := left(only)):
+        return found
     # What it rightly gave up is found last, as that takes longest.
-    return left(only) and left(only.difference(_was_out_of_reach(run, robot, reach, near_m)))
+    gone = _was_out_of_reach(run, robot, reach, near_m)
+    return left(shapely.difference(only, gone, grid_size=GRID_M))
 
 
 def _is_led_to(

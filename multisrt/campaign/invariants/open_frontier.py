@@ -125,7 +125,7 @@ def open_frontiers(
     standing = standing_space(run, robot, names, reach, obstacles)
     standing = _part_at(standing, at, reach.enters_m)
     if looked is not None:
-        standing = solid(standing.difference(looked))
+        standing = solid(shapely.difference(standing, looked, grid_size=GRID_M))
     if standing.is_empty:
         return []
     found = []
@@ -164,7 +164,9 @@ def standing_space(
 ) -> BaseGeometry:
     """Return where the reference point of a robot can be; see `open_frontiers`."""
     _, standing = _open_space(run, run.component(robot), names, reach)
-    return standing if obstacles is None else solid(standing.difference(obstacles))
+    if obstacles is None:
+        return standing
+    return solid(shapely.difference(standing, obstacles, grid_size=GRID_M))
 
 
 def path_leads(
@@ -219,12 +221,14 @@ def _unknown_and_standing(
     known = united(run, names).simplify(SIMPLER_M)
     unknown = solid(shapely.difference(space, known, grid_size=GRID_M))
     if reach.blind_m > 0.0:
-        unknown = solid(unknown.difference(space.boundary.buffer(reach.blind_m, quad_segs=4)))
+        walls = space.boundary.buffer(reach.blind_m, quad_segs=4)
+        unknown = solid(shapely.difference(unknown, walls, grid_size=GRID_M))
     unknown = unknown.buffer(-reach.scrap_m, quad_segs=4)
     unknown = solid(unknown.buffer(reach.scrap_m * 0.999, quad_segs=4))
-    standing = known.buffer(-reach.off_unknown_m, quad_segs=4)
-    roomy = space.buffer(-reach.off_walls_m, quad_segs=4)
-    return unknown, solid(standing.intersection(roomy).simplify(SIMPLER_M))
+    standing = _valid(known.buffer(-reach.off_unknown_m, quad_segs=4))
+    roomy = _valid(space.buffer(-reach.off_walls_m, quad_segs=4))
+    both = shapely.intersection(standing, roomy, grid_size=GRID_M)
+    return unknown, solid(both.simplify(SIMPLER_M))
 
 
 def united(run: JudgedRun, names: Collection[NodeName]) -> BaseGeometry:
@@ -234,8 +238,12 @@ def united(run: JudgedRun, names: Collection[NodeName]) -> BaseGeometry:
 
 def _united(run: JudgedRun, names: Collection[NodeName]) -> BaseGeometry:
     regions = [run.regions[name] for name in names]
-    valid = [r if r.is_valid else solid(shapely.make_valid(r)) for r in regions]
-    return solid(shapely.union_all(valid, grid_size=GRID_M))
+    return solid(shapely.union_all([_valid(region) for region in regions], grid_size=GRID_M))
+
+
+def _valid(shape: BaseGeometry) -> BaseGeometry:
+    # Even a buffer of GEOS is not always valid.
+    return shape if shape.is_valid else solid(shapely.make_valid(shape))
 
 
 def solid(shape: BaseGeometry) -> BaseGeometry:

@@ -18,6 +18,7 @@ from multisrt.campaign.invariants.open_frontier import (
     open_frontiers,
     solid,
     standing_space,
+    stretches,
     united,
 )
 from multisrt.campaign.judged_run import ROUNDING_M, JudgedRun
@@ -77,7 +78,7 @@ its circumscribed radius."""
 SRT_SCRAP_M: Final = 0.05
 """Unknown parts between its regions that hold no disc of this radius are scraps, in metres."""
 
-SAME_BORDER_M: Final = 0.02
+SAME_BORDER_M: Final = 1e-4
 """Maximum distance in metres between borders of the SRT family's regions that count as one."""
 
 LEFT_M: Final = 0.01
@@ -304,7 +305,9 @@ def _left_by_srt(
     # The border of all that is known, where it is that of the own tree.
     own_border = united(run, own).boundary.buffer(SAME_BORDER_M, quad_segs=2)
     border = united(run, names).boundary.intersection(own_border)
-    only = border.simplify(0.01).buffer(near_m, quad_segs=2)
+    # Where borders of two trees part, shorter pieces are those of both.
+    pieces = [piece for piece in stretches(border) if piece.length >= near_m]
+    only: BaseGeometry = shapely.union_all(pieces).simplify(0.01).buffer(near_m, quad_segs=2)
     if _gives_up_early(run, robot):
         seen = _closed_arcs(run.recording.of(ArcClosed), "seen from near")
         only = shapely.difference(only, seen.buffer(near_m, quad_segs=2), grid_size=GRID_M)

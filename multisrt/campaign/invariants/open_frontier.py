@@ -133,7 +133,7 @@ def open_frontiers(
         near = _frontier_of(run, space, part, reach)
         if only is not None:
             near = near.intersection(only)
-        for stretch in _stretches(near):
+        for stretch in stretches(near):
             found += _seen(run, space, stretch, standing, reach, float(part.area))
     return sorted(found, key=lambda one: -one.length_m)
 
@@ -261,8 +261,8 @@ def _part_at(standing: BaseGeometry, at: Sequence[float], within_m: float) -> Ba
     return min(near, key=lambda part: float(part.distance(here)), default=MultiPolygon())
 
 
-def _stretches(lines: BaseGeometry) -> list[LineString]:
-    # Of a collection, too, which an intersection is that touches in a point.
+def stretches(lines: BaseGeometry) -> list[LineString]:
+    """Return the lines of a geometry, merged where they meet, without its points."""
     parts = [part for part in shapely.get_parts(lines) if isinstance(part, LineString)]
     merged = shapely.line_merge(MultiLineString([part for part in parts if not part.is_empty]))
     whole: list[LineString] = shapely.get_parts(merged).tolist()

@@ -8,7 +8,7 @@ from multisrt.analysis.isolation import Isolation
 from multisrt.analysis.isolation import isolation as isolation_of
 from multisrt.analysis.measuring import measure_with_curves
 from multisrt.campaign.invariants import INVARIANTS, JudgedRun, isolation, measures
-from multisrt.campaign.invariants.open_frontier import _stretches
+from multisrt.campaign.invariants.open_frontier import stretches
 from multisrt.environments.environment import Environment
 from multisrt.events import (
     BaseLearned,
@@ -391,8 +391,8 @@ def node_at(x, serial, time_s=0.0):
 def test_stretches_are_whole_in_collections_too():
     lines = [shapely.LineString([(0, 0), (1, 0)]), shapely.LineString([(1, 0), (2, 0)])]
     mixed = shapely.GeometryCollection([*lines, shapely.Point(5, 5), shapely.LineString()])
-    assert [stretch.length for stretch in _stretches(mixed)] == [2.0]
-    assert [stretch.length for stretch in _stretches(shapely.LineString())] == []
+    assert [stretch.length for stretch in stretches(mixed)] == [2.0]
+    assert [stretch.length for stretch in stretches(shapely.LineString())] == []
 
 
 @pytest.mark.parametrize(

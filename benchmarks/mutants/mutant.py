@@ -23,8 +23,6 @@ class Mutant:
         The file that changes, within the package, such as ``simulation/radio.py``.
     old, new : str
         The text that is replaced, which occurs once in the file, and what replaces it.
-    unfound : str
-        Why campaigns do not find it, if that is known.
     """
 
     name: str
@@ -32,7 +30,6 @@ class Mutant:
     file: str
     old: str
     new: str
-    unfound: str = ""
 
     @property
     def digest(self) -> str:

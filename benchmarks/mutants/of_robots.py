@@ -121,10 +121,6 @@ MUTANTS: Final = (
         file="robots/frontier/progress.py",
         old="return self._waits.now[State.WAITING] < self._options.max_waits",
         new="return self._waits.now[State.WAITING] < math.inf",
-        unfound=(
-            "probably since a robot that answers has to bar the way to the last frontiers for "
-            "longer than all limits together"
-        ),
     ),
     Mutant(
         name="coverage-counted-twice",

@@ -15,7 +15,7 @@ from typing import Final
 import msgspec
 
 from benchmarks.arguments import help_with, parser_of
-from multisrt.campaign.invariants.completeness import BOXED_IN, COMPLETE
+from multisrt.campaign.invariants.completeness import BARRED, COMPLETE
 from multisrt.campaign.invariants.waiting import NAME as WAITS
 from multisrt.campaign.store import CampaignStore, Row
 from multisrt.campaign.summary import further, summary
@@ -52,7 +52,7 @@ PAGE: Final = ROOT / "docs/results/campaign.md"
 FOUND: Final = ROOT / "tests/multisrt/campaign/found"
 """What campaigns have found, each with a comment that says what it was."""
 
-OF_STALLS: Final = (COMPLETE, BOXED_IN, WAITS)
+OF_STALLS: Final = (COMPLETE, BARRED, WAITS)
 """The invariants by which a run that stalled is judged."""
 
 

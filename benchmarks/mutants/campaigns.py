@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import subprocess
 import sys
-import time
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -70,10 +70,8 @@ class Campaigns:
         copy.prepare(mutant)
         store = self.folder.resolve() / "missions" / name / f"{key}.sqlite"
         store.parent.mkdir(parents=True, exist_ok=True)
-        begin_s = time.monotonic()
         self._run(name, copy, store)
-        earlier_s = 0.0 if before is None else before.seconds
-        found = finding_of(name, key, store, earlier_s + time.monotonic() - begin_s)
+        found = finding_of(name, key, store)
         findings.add(found)
         return found
 
@@ -99,7 +97,7 @@ class Campaigns:
             )
 
 
-def finding_of(name: str, key: str, store: Path, seconds: float) -> Finding:
+def finding_of(name: str, key: str, store: Path) -> Finding:
     """Return what a campaign came to, by the file of its missions.
 
     Parameters
@@ -108,8 +106,6 @@ def finding_of(name: str, key: str, store: Path, seconds: float) -> Finding:
         The defect, and the key of the finding.
     store : Path
         The file.
-    seconds : float
-        How long it took.
 
     Returns
     -------
@@ -118,6 +114,7 @@ def finding_of(name: str, key: str, store: Path, seconds: float) -> Finding:
     """
     with CampaignStore.open(store) as opened:
         rows = list(opened.rows())
+    seconds = math.fsum(row.run_s + row.check_s for row in rows)
     failed = next((row for row in rows if row.violations), None)
     if failed is None:
         return Finding(

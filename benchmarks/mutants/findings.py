@@ -30,7 +30,7 @@ class Finding(msgspec.Struct, frozen=True, kw_only=True):
     says : str
         What the first of them says.
     seconds : float
-        Elapsed time, of all calls together.
+        Elapsed time of the runs and their checks (s).
     """
 
     mutant: str

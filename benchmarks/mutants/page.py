@@ -80,21 +80,22 @@ def page(findings: Mapping[str, Finding], seed: int) -> str:
         if control.mission is not None:
             failed = f"the last failed ({', '.join(control.invariants)}: {control.says})"
         said += f". The unmodified program ran {counted(control.missions, 'mission')}; {failed}"
+    own_seed = f" --seed {seed}" if seed else ""
     return "\n".join(
         [
             "# Planted defects",
             "",
-            f"Made with {_commands(findings, seed)} and `python -m benchmarks.mutants --page`. A "
-            "[campaign](../campaign.md) without failures is evidence only if it would have found "
-            f"defects: each of {len(MUTANTS)} was planted in a copy of the program, one at a time, "
-            f"by a change of a line or two, and a campaign (seed {seed}) run until its first "
-            "failure, or for as many missions as its row says.",
+            f"Made with `python -m benchmarks.mutants{own_seed}` and `python -m benchmarks.mutants "
+            "--page`. A [campaign](../campaign.md) without failures is evidence only if it would "
+            f"have found defects: each of {len(MUTANTS)} was planted in a copy of the program, one "
+            f"at a time, by a change of a line or two, and a campaign (seed {seed}) run until its "
+            "first failure, or for as many missions as its row says.",
             "",
             f"{said}.",
             "",
             "*missions*: how many were executed until the first failure; *found by*: all "
-            "invariants that this mission violated. Times are those of one process on a machine "
-            f"that was busy with other things, and include its start.{_programs(findings)}",
+            "invariants that this mission violated. Times are those of runs and checks in one "
+            f"process, on a machine that was busy with other things.{_programs(findings)}",
             "",
             markdown_table(COLUMNS, rows_of((*MUTANTS, CONTROL), findings)),
             "",
@@ -108,14 +109,3 @@ def _programs(findings: Mapping[str, Finding]) -> str:
         return ""
     some = "is" if len(programs) == 1 else "are, of several versions,"
     return f" The digest of the program's source {some} {', '.join(programs)}."
-
-
-def _commands(findings: Mapping[str, Finding], seed: int) -> str:
-    """Return the command that made the findings, with the limits that campaigns came to."""
-    limits = sorted({found.missions for found in findings.values() if found.mission is None})
-    own_seed = f" --seed {seed}" if seed else ""
-    command = "python -m benchmarks.mutants"
-    if len(limits) != 1:
-        told = f"`{command}{own_seed} --missions N`"
-        return f"{told} (N: {' or '.join(f'{n:,}' for n in limits)})" if limits else told
-    return f"`{command}{own_seed} --missions {limits[0]}`"

@@ -125,7 +125,7 @@ def open_frontiers(
     standing = standing_space(run, robot, names, reach, obstacles)
     standing = _part_at(standing, at, reach.enters_m)
     if looked is not None:
-        standing = solid(shapely.difference(standing, looked, grid_size=GRID_M))
+        standing = without(standing, looked)
     if standing.is_empty:
         return []
     found = []
@@ -166,7 +166,7 @@ def standing_space(
     _, standing = _open_space(run, run.component(robot), names, reach)
     if obstacles is None:
         return standing
-    return solid(shapely.difference(standing, obstacles, grid_size=GRID_M))
+    return without(standing, obstacles)
 
 
 def path_leads(
@@ -219,10 +219,10 @@ def _unknown_and_standing(
 ) -> tuple[BaseGeometry, BaseGeometry]:
     # What is unknown in a space, and where the body can stand in what is known.
     known = united(run, names).simplify(SIMPLER_M)
-    unknown = solid(shapely.difference(space, known, grid_size=GRID_M))
+    unknown = without(space, known)
     if reach.blind_m > 0.0:
         walls = space.boundary.buffer(reach.blind_m, quad_segs=4)
-        unknown = solid(shapely.difference(unknown, walls, grid_size=GRID_M))
+        unknown = without(unknown, walls)
     unknown = unknown.buffer(-reach.scrap_m, quad_segs=4)
     unknown = solid(unknown.buffer(reach.scrap_m * 0.999, quad_segs=4))
     standing = _valid(known.buffer(-reach.off_unknown_m, quad_segs=4))
@@ -239,6 +239,11 @@ def united(run: JudgedRun, names: Collection[NodeName]) -> BaseGeometry:
 def _united(run: JudgedRun, names: Collection[NodeName]) -> BaseGeometry:
     regions = [run.regions[name] for name in names]
     return solid(shapely.union_all([_valid(region) for region in regions], grid_size=GRID_M))
+
+
+def without(area: BaseGeometry, other: BaseGeometry) -> BaseGeometry:
+    """Return an area less another one."""
+    return solid(shapely.difference(_valid(area), _valid(other), grid_size=GRID_M))
 
 
 def _valid(shape: BaseGeometry) -> BaseGeometry:

@@ -288,8 +288,11 @@ def _turn_to_line(at: Configuration, x: float, y: float) -> float:
     """Return the smallest turn to face a place or its opposite; 0 but where a turn was ended.
 
     A body comes to a child of a node along the edge, forwards or backwards. Only where the
-    protective stop has ended a turn after that is it turned a little away from the edge.
+    protective stop has ended a turn after that is it turned a little away from the edge. Where it
+    has ended a turn before the edge, the child is where its parent is, and there is no such line.
     """
+    if (at.x, at.y) == (x, y):
+        return 0.0
     ahead = math.atan2(y - at.y, x - at.x)
     turns = (wrap_angle(ahead - at.heading), wrap_angle(ahead + math.pi - at.heading))
     turn = min(turns, key=abs)

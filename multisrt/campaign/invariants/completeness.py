@@ -11,7 +11,6 @@ import shapely
 from shapely.geometry.base import BaseGeometry
 
 from multisrt.campaign.invariants.open_frontier import (
-    GRID_M,
     OpenFrontier,
     Reach,
     frontiers,
@@ -20,6 +19,7 @@ from multisrt.campaign.invariants.open_frontier import (
     standing_space,
     stretches,
     united,
+    without,
 )
 from multisrt.campaign.judged_run import ROUNDING_M, JudgedRun
 from multisrt.campaign.violations import Violation, quoted
@@ -310,12 +310,11 @@ def _left_by_srt(
     only: BaseGeometry = shapely.union_all(pieces).simplify(0.01).buffer(near_m, quad_segs=2)
     if _gives_up_early(run, robot):
         seen = _closed_arcs(run.recording.of(ArcClosed), "seen from near")
-        only = shapely.difference(only, seen.buffer(near_m, quad_segs=2), grid_size=GRID_M)
+        only = without(only, seen.buffer(near_m, quad_segs=2))
     if not (found := left(only)):
         return found
     # What it rightly gave up is found last, as that takes longest.
-    gone = _was_out_of_reach(run, robot, reach, near_m)
-    return left(shapely.difference(only, gone, grid_size=GRID_M))
+    return left(without(only, _was_out_of_reach(run, robot, reach, near_m)))
 
 
 def _is_led_to(
@@ -461,7 +460,7 @@ def _shows_hardly_more(
         contact_tolerance_m=run.options["contact_tolerance_m"],
     )
     shown = solid(shapely.make_valid(shapely.Polygon(region.boundary)))
-    more = shapely.difference(shown, united(run, names), grid_size=GRID_M)
+    more = without(shown, united(run, names))
     return bool(more.area < max(d_min_m**2, MIN_BEHIND_M2))
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Final
 
 import numpy as np
@@ -14,7 +14,7 @@ from shapely.geometry.base import BaseGeometry
 
 from multisrt.analysis.measuring import Curves, measure_with_curves
 from multisrt.analysis.metrics import Metrics
-from multisrt.campaign.invariants.open_frontier import WALL_M
+from multisrt.campaign.invariants.open_frontier import GRID_M, WALL_M, union_of
 from multisrt.campaign.judged_run import JudgedRun
 from multisrt.campaign.violations import Violation
 from multisrt.events import Blocked, Died, Sent
@@ -36,9 +36,6 @@ PLANNED: Final = 0.01
 
 ONE_IN: Final = 3
 """Every third run is measured."""
-
-GRID_M: Final = 1e-6
-"""Corners of overlays are rounded to multiples of this, in metres."""
 
 
 def measures_consistent(run: JudgedRun) -> Violation | None:
@@ -265,7 +262,7 @@ def _overlaid(run: JudgedRun, m: Metrics) -> Iterator[str]:
         ("covered", m.covered_area_m2, added_s, covered_s),
         ("delivered", delivered_m2, run.base_knows_s, delivered_s),
     ):
-        union = _union(run.regions[name] for name in since_s)
+        union = union_of(run.regions[name] for name in since_s)
         within_m2 = _area_m2(union, here)
         if area_m2 > within_m2 + allowed_m2:
             yield f"{area_m2:.4f} m2 are {what}, by regions of {within_m2:.4f} m2 together"
@@ -279,7 +276,7 @@ def _overlaid(run: JudgedRun, m: Metrics) -> Iterator[str]:
         for percent, time_s in zip((90, 95, 99), times_s, strict=True):
             if time_s is None:
                 continue
-            then = _union(run.regions[name] for name in since_s if since_s[name] <= time_s)
+            then = union_of(run.regions[name] for name in since_s if since_s[name] <= time_s)
             then_m2 = _area_m2(then, here)
             if then_m2 < 0.01 * percent * m.explorable_area_m2 - allowed_m2:
                 yield f"{percent} % are {what} at {time_s:.2f} s, by regions of {then_m2:.4f} m2"
@@ -300,14 +297,3 @@ def _area_m2(area: BaseGeometry, here: BaseGeometry) -> float:
 def _components(run: JudgedRun) -> list[Polygon]:
     found = {shapely.to_wkb(part): part for part in (run.component(robot) for robot in run.robots)}
     return list(found.values())
-
-
-def _union(regions: Iterable[Polygon]) -> BaseGeometry:
-    valid = [region if region.is_valid else _valid(region) for region in regions]
-    # An empty collection has no boundary; an empty area has.
-    return shapely.union_all(valid, grid_size=GRID_M) if valid else shapely.MultiPolygon()
-
-
-def _valid(region: Polygon) -> BaseGeometry:
-    parts = shapely.get_parts(shapely.make_valid(region)).tolist()
-    return shapely.MultiPolygon([part for part in parts if isinstance(part, Polygon)])

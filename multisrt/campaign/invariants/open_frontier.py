@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -164,9 +164,7 @@ def standing_space(
 ) -> BaseGeometry:
     """Return where the reference point of a robot can be; see `open_frontiers`."""
     _, standing = _open_space(run, run.component(robot), names, reach)
-    if obstacles is None:
-        return standing
-    return without(standing, obstacles)
+    return standing if obstacles is None else without(standing, obstacles)
 
 
 def path_leads(
@@ -237,8 +235,12 @@ def united(run: JudgedRun, names: Collection[NodeName]) -> BaseGeometry:
 
 
 def _united(run: JudgedRun, names: Collection[NodeName]) -> BaseGeometry:
-    regions = [run.regions[name] for name in names]
-    return solid(shapely.union_all([_valid(region) for region in regions], grid_size=GRID_M))
+    return union_of(run.regions[name] for name in names)
+
+
+def union_of(areas: Iterable[BaseGeometry]) -> BaseGeometry:
+    """Return the union of areas, which need not be valid."""
+    return solid(shapely.union_all([_valid(area) for area in areas], grid_size=GRID_M))
 
 
 def without(area: BaseGeometry, other: BaseGeometry) -> BaseGeometry:

@@ -13,7 +13,7 @@ from multisrt.campaign.invariants.completeness import (
     known_at,
     reach_of,
 )
-from multisrt.campaign.invariants.open_frontier import GRID_M, path_leads, united
+from multisrt.campaign.invariants.open_frontier import path_leads, united, without
 from multisrt.campaign.judged_run import ROUNDING_M, ROUNDING_S, JudgedRun
 from multisrt.campaign.violations import Violation, quoted
 from multisrt.events import BaseLearned, Motion, NodeName
@@ -74,7 +74,7 @@ def data_is_returned(run: JudgedRun) -> Violation | None:
         if not lacking or not _may_be_heard(run, robot, known, end.time_s):
             continue
         here = [name for name in known if name in delivered]
-        lacked = shapely.difference(united(run, known), united(run, here), grid_size=GRID_M)
+        lacked = without(united(run, known), united(run, here))
         # Robots count areas in cells: only such whole ones are sure to be noticed.
         wide_m = SURELY_A_CELL * run.options.get("cell_m", SRT_CELL_M)
         area_m2 = lacked.buffer(-wide_m).buffer(wide_m).area

@@ -86,19 +86,13 @@ def test_a_good_run_holds_them(bids):
     assert [says(bids, name) for name in NEW] == [""] * len(NEW)
 
 
+def report(time_s, reached, lost):
+    return Sent(time_s=time_s, robot=0, kind="report", size_bytes=9, reached=reached, lost=lost)
+
+
 @pytest.mark.parametrize(("lost", "finds"), [(200, False), (320, True), (100, True)])
 def test_losses_at_another_rate(lost, finds):
-    sent = [
-        Sent(
-            time_s=0.01 * k,
-            robot=0,
-            kind="report",
-            size_bytes=9,
-            reached=() if k < lost else (1,),
-            lost=(1,) if k < lost else (),
-        )
-        for k in range(1000)
-    ]
+    sent = [report(0.01 * k, *(((), (1,)) if k < lost else ((1,), ()))) for k in range(1000)]
     starts = ((1.0, 1.5, 0.0), (3.0, 1.5, 0.0))
     run = written(sent, starts=starts, radio=RadioSpec(loss=0.2))
     found = "of 1000 receptions are lost, by a radio that loses 0.2" in says(run, "losses-at-rate")
@@ -123,11 +117,8 @@ def test_a_stop_too_far_from_a_body():
 def test_losses_of_all_receivers_together(together, finds):
     fates = [((k // 2) % 4 == 0, (k if together else k + 3) // 2 % 4 == 0) for k in range(400)]
     sent = [
-        Sent(
-            time_s=0.01 * k,
-            robot=0,
-            kind="report",
-            size_bytes=9,
+        report(
+            0.01 * k,
             reached=tuple(n for n in (1, 2) if not fates[k][n - 1]),
             lost=tuple(n for n in (1, 2) if fates[k][n - 1]),
         )

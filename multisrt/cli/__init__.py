@@ -104,15 +104,11 @@ def main() -> None:
             fail(f"error: {usage_message(error)}", error.exit_code)
         except MultiSrtError as error:
             fail(f"error: {error}", BAD_INPUT)
-        except ImportError:
-            if not terminations.is_interrupted:
-                raise
-            fail("interrupted", INTERRUPTED)
-        except (click.exceptions.Abort, KeyboardInterrupt, OSError) as error:
-            # An OSError if the terminal was closed to which the interrupted command writes.
+        except (Exception, KeyboardInterrupt) as error:
             if (signal := terminations.received) is not None:
                 fail(f"interrupted by {signal.name}", BY_SIGNAL + signal)
-            if isinstance(error, OSError):
-                raise
-            fail("interrupted", INTERRUPTED)
+            is_interrupt = isinstance(error, click.exceptions.Abort | KeyboardInterrupt)
+            if is_interrupt or terminations.is_interrupted:
+                fail("interrupted", INTERRUPTED)
+            raise
         raise SystemExit(result if isinstance(result, int) else COMPLETE)

@@ -43,8 +43,9 @@ class Terminations:
     received : signal.Signals or None
         The signal that came first.
     is_interrupted : bool
-        Whether there was an interrupt from the keyboard. At an import, an extension module may turn
-        the KeyboardInterrupt into an ImportError.
+        Whether there was an interrupt from the keyboard. The KeyboardInterrupt may have become
+        another error: a SystemError in compiled code, an ImportError where an extension module is
+        imported, an OSError if the terminal is closed.
     """
 
     def __init__(self) -> None:

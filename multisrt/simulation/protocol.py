@@ -123,6 +123,7 @@ def build(make: Callable[[RobotSelf, Any], Explorer], me: RobotSelf, options: ob
     except InvalidInputError:
         raise
     except (Exception, SystemExit) as error:
+        _pass_interrupt(error)
         what, remedy = error_flaw(inspect.unwrap(make), error, FROM_ITS_OWN)
         raise ExplorerDefect(what, where, remedy) from error
     if not callable(getattr(explorer, "run", None)):
@@ -286,5 +287,12 @@ def refuse_action(action: object, robot: int) -> NoReturn:
 
 
 def _refuse_error(explorer: Explorer, error: BaseException, robot: int, usual: str) -> NoReturn:
+    _pass_interrupt(error)
     what, remedy = error_flaw(type(explorer), error, usual)
     raise ExplorerDefect(what, f"the explorer of robot {robot}", remedy) from error
+
+
+def _pass_interrupt(error: BaseException) -> None:
+    # Compiled code that is interrupted raises a SystemError from the interrupt.
+    if isinstance(error.__cause__, KeyboardInterrupt):
+        raise error.__cause__ from None

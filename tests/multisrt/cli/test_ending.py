@@ -46,25 +46,26 @@ def test_a_signal_interrupts_once(number: signal.Signals, monkeypatch):
     assert signal.getsignal(number) is signal.SIG_DFL
 
 
+@pytest.mark.parametrize("made_of_it", [ImportError, SystemError, OSError])
 @pytest.mark.parametrize("is_interrupted", [True, False])
-def test_an_interrupted_import_is_an_interrupt(monkeypatch, capsys, is_interrupted):
+def test_what_an_interrupt_becomes_is_an_interrupt(monkeypatch, capsys, is_interrupted, made_of_it):
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
 
-    def imports(*_given: object, **_more: object) -> None:
+    def command(*_given: object, **_more: object) -> None:
         if is_interrupted:
             with contextlib.suppress(KeyboardInterrupt):
                 signal.raise_signal(signal.SIGINT)
-        raise ImportError("numpy._core.multiarray failed to import")
+        raise made_of_it("numpy._core.multiarray failed to import")
 
-    monkeypatch.setattr(cli.cli, "main", imports)
+    monkeypatch.setattr(cli.cli, "main", command)
     try:
-        with pytest.raises(SystemExit if is_interrupted else ImportError) as ended:
+        with pytest.raises(SystemExit if is_interrupted else made_of_it) as ended:
             cli.main()
         assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
     finally:
         signal.signal(signal.SIGINT, before)
     assert ("interrupted" in capsys.readouterr().err) is is_interrupted
-    assert not is_interrupted or ended.value.code == 130  # type: ignore[attr-defined]
+    assert not is_interrupted or ended.value.code == 130
 
 
 def test_an_ignored_signal_stays_ignored():

@@ -52,6 +52,15 @@ def test_an_explorers_own_error_is_told_with_its_place(play):
     assert isinstance(caught.value.__cause__.__cause__, ZeroDivisionError)  # type: ignore[union-attr]
 
 
+def test_an_interrupt_of_compiled_code_is_no_error_of_the_explorer(play):
+    def script():
+        yield Sense()
+        raise SystemError("returned a result with an exception set") from KeyboardInterrupt()
+
+    with pytest.raises(KeyboardInterrupt):
+        play(script)
+
+
 def test_an_error_before_the_first_action_is_told_alike(drive, monkeypatch):
     monkeypatch.setattr("tests.multisrt.simulation.conftest.Actor.run", lambda _: 1 / 0)
     with pytest.raises(

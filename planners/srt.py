@@ -363,6 +363,8 @@ class SrtPlanner:
             ample = room >= self.body.ample_radius_m
             narrower = (room >= self.body.roomy_radius_m) & ~ample
             places = np.vstack([places[ample], places[narrower]])
+            # Beside an arc of less than 0.1 mm, for which the border has a gap, it sees out.
+            places = places[known.holds(places)]
             if bodies is not None:
                 places = places[paths_keep_clear(np.hstack([places, places]), bodies)]
             in_the_way = None if past_bodies else bodies

@@ -118,9 +118,9 @@ def _limits(
 def motion_at_full_speed(run: JudgedRun) -> Violation | None:
     """Check that robots drive and turn as fast as their drive allows.
 
-    No leg of a motion takes longer, by more than 1e-6 s and 1e-6 of its duration, than its length
-    takes at full speed or, for a differential drive, its turn at the full rate. Robots that steer
-    by the nearness diagram slow down near obstacles, and are not checked.
+    No leg of a motion takes longer, by more than 1e-6 s, the time for 1e-6 m, and 1e-6 of its
+    duration, than its length takes at full speed or, for a differential drive, its turn at the full
+    rate. Robots that steer by the nearness diagram slow down near obstacles, and are not checked.
 
     Cost: negligible.
     """
@@ -132,7 +132,8 @@ def motion_at_full_speed(run: JudgedRun) -> Violation | None:
         needed = lengths / drive.speed_m_s
         if drive.kind == "differential":
             needed = np.maximum(needed, np.abs(steps[:, 3]) / drive.turn_rate_rad_s)
-        slow = steps[:, 0] > needed * (1.0 + ROUNDING_S) + ROUNDING_S
+        rounding_s = ROUNDING_S + ROUNDING_M / drive.speed_m_s
+        slow = steps[:, 0] > needed * (1.0 + ROUNDING_S) + rounding_s
         for k in np.flatnonzero(slow)[:1].tolist():
             return Violation(
                 invariant=FULL_SPEED,

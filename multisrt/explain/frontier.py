@@ -214,6 +214,9 @@ class _BidStory(ChoiceStory[GoalChosen]):
             )
         if len(rounds) > MAX_ROWS:
             yield f"and {many(len(rounds) - MAX_ROWS, 'more round')}"
+        own = [target for robot, target, *_ in rounds if robot == self.robot]
+        if self.choice.rule == "gain" and len(own) > 1:
+            yield f"the tour of all that it gets is short if frontier {own[-1]} is the first stop"
 
     def _routes(self) -> Iterator[str]:
         if self.choice.goal is None:

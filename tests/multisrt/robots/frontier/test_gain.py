@@ -81,6 +81,15 @@ def test_the_decisions_are_recorded_and_explained(run):
     assert "the largest area to be seen for its cost" in text
     assert f"robot {robot} got frontier {target}, " in text
     assert f": {area:.1f} m2, value {value:.3g}\n" in text
+    assert "first stop" not in text
+
+
+def test_a_tour_that_decides_is_explained(run):
+    choices = [e for e in run.recording.events if isinstance(e, GoalChosen)]
+    by_tour = next(e for e in choices if [pair[0] for pair in e.rounds].count(e.robot) > 1)
+    stop = by_tour.rounds[-1][1]
+    text = explain(run.recording, by_tour.robot, by_tour.time_s)
+    assert f"the tour of all that it gets is short if frontier {stop} is the first stop\n" in text
 
 
 def test_driving_backwards_changes_a_run(run):

@@ -24,6 +24,7 @@ from multisrt.events import (
     Sensed,
     Sent,
 )
+from multisrt.robots.frontier.progress import Event
 from multisrt.simulation.standstill import NOTHING_NEW
 from multisrt.spec import Silence
 
@@ -252,7 +253,8 @@ def _changes(run: JudgedRun) -> list[tuple[list[float], list[bool]]]:
     """Return for each robot when it ended or began to move, and whether it ended then.
 
     A robot that moves after it ended was called on, unless it only gave way. If it ends as before,
-    that is not recorded again, but that it chooses nothing is.
+    that is not recorded again, but that it chooses nothing is. One that is called on without that
+    was boxed in before it could choose; it is taken to have ended after its last motion.
     """
     return run.once("ends and motions", lambda: [_changes_of(run, robot) for robot in run.robots])
 
@@ -268,13 +270,18 @@ def _changes_of(run: JudgedRun, robot: int) -> tuple[list[float], list[bool]]:
     )
     times_s: list[float] = []
     have_ended: list[bool] = []
+    last_s = 0.0
     for event in told:
         if isinstance(event, Motion) and event.purpose == "give way" and True in have_ended[-1:]:
             continue
         if isinstance(event, GoalChosen):
+            if event.because == Event.CALLED_ON and have_ended and not have_ended[-1]:
+                times_s.append(last_s)
+                have_ended.append(True)
             ends_again = event.goal is None and True in have_ended and not have_ended[-1]
             if not ends_again:
                 continue
+        last_s = event.waypoints[-1][0] if isinstance(event, Motion) else event.time_s
         times_s.append(event.time_s)
         have_ended.append(not isinstance(event, Motion))
     return times_s, have_ended

@@ -5,8 +5,8 @@ the costs in metres of all robots in contact.
 
 `closest`, `greedy` and `minpos` are the rules of the strategies of the same names. `gain` differs
 from the strategy: it chooses by value only, as the strategy does with ``tour_weight=0``, it adds
-4 m² to every area instead of 5 (`return_area_m2`), and costs are path lengths, without
-`turn_m_per_rad` and `keep_m`.
+4 m² to every area instead of 5 (`return_area_m2`), which robots do not share, and costs are path
+lengths, without `turn_m_per_rad` and `keep_m`.
 """
 
 from __future__ import annotations

@@ -3,13 +3,13 @@
 A strategy of this project. The value of a frontier is the area that would be seen from it if all
 unknown cells were free, over a power of the cost of the path there. A return area is added to the
 area, for the path back to a frontier that is left behind: without it robots follow the large areas
-and leave small ones all over the map, which cost more in the end than was saved. The cost includes
-the first turn, so that a robot does not turn back for a small advantage. Robots take frontiers in
-order of value and go on from there, and frontiers that are taken reduce the areas of others near
-them (`planners.assignment.gain`). Each robot computes this for itself, for all robots that it takes
-into account. Of the frontiers that it takes, a robot goes first to one from which its tour of the
-others is short (`planners.assignment.gain_tours`), and it does not leave a goal for a small
-advantage.
+and leave small ones all over the map, which cost more in the end than was saved. Robots whose radio
+reaches all share it. The cost includes the first turn, so that a robot does not turn back for a
+small advantage. Robots take frontiers in order of value and go on from there, and frontiers that
+are taken reduce the areas of others near them (`planners.assignment.gain`). Each robot computes
+this for itself, for all robots that it takes into account. Of the frontiers that it takes, a robot
+goes first to one from which its tour of the others is short (`planners.assignment.gain_tours`), and
+it does not leave a goal for a small advantage.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ def choose_gain(robot: FrontierRobot, because: str) -> Choice:
         targets = costs.targets[reached]
         among_reached = gain(
             _costs_of(path_costs, bounds, reached),
-            areas[reached] + options.return_area_m2,
+            areas[reached] + return_area_m2(robot, costs),
             euclidean_distances(targets, targets),
             costs.row,
             range_m=robot.me.range_m,
@@ -77,7 +77,8 @@ def _on_tours(
     options = cast(GainOptions, robot.options)
     parameters = ValueParameters(robot.me.range_m, options.power)
     weights = libm.power(bounds[costs.row] + parameters.offset_m, -parameters.power)
-    values = (areas + options.return_area_m2) * weights
+    return_m2 = return_area_m2(robot, costs)
+    values = (areas + return_m2) * weights
     near = np.sort(reached[np.argsort(-values[reached], kind="stable")[:MAX_TARGETS]])
     targets = costs.targets[near]
     distances = euclidean_distances(targets, targets)
@@ -88,10 +89,20 @@ def _on_tours(
         lengths_among(robot, targets, costs.costs[costs.row, near], distances),
         costs.row,
         parameters=parameters,
-        return_area_m2=options.return_area_m2,
+        return_area_m2=return_m2,
         tour_weight=options.tour_weight,
     )
     return _among_all(chosen, near)
+
+
+def return_area_m2(robot: FrontierRobot, costs: WavefrontCosts) -> float:
+    """Return what is added to every area for the path back to what is left, in square metres.
+
+    Robots that hear each other everywhere share it: any of them may go back.
+    """
+    options = cast(GainOptions, robot.options)
+    share = len(costs.robots) if robot.me.radio.reaches_all else 1
+    return options.return_area_m2 / share
 
 
 def _costs_of(path_costs: PathCosts, bounds: FloatArray, some: IntArray) -> LazyCosts:

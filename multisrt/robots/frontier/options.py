@@ -257,7 +257,8 @@ class GainOptions(PathCostOptions, frozen=True, kw_only=True, forbid_unknown_fie
         Exponent of the path length in the value of a frontier.
     return_area_m2 : float
         Area in square metres that stands for the way back to a frontier that is left behind; it is
-        added to the area beyond each.
+        added to the area beyond each. If every message reaches every robot, it is divided by the
+        number of robots that the choice takes into account.
     tour_weight : float
         Weight of the length of the tour over the frontiers that are left, against the way to the
         first of them. With 0 robots go to the frontier of the highest value that others leave

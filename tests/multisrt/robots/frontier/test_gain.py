@@ -13,8 +13,9 @@ from multisrt.environments.environment import Environment
 from multisrt.events import GoalChosen
 from multisrt.explain.srt import explain
 from multisrt.geometry.grids.occupancy import UNKNOWN
-from multisrt.robots.frontier.gain import areas_beyond
+from multisrt.robots.frontier.gain import areas_beyond, return_area_m2
 from multisrt.robots.frontier.options import GainOptions
+from multisrt.robots.robot_self import RadioSelf
 
 CELL_M = 0.1
 HALLS = Environment(
@@ -32,6 +33,18 @@ def test_areas_are_in_square_metres():
         indices_of=lambda _: np.array([[2, 2]]),
     )
     assert areas_beyond(robot, np.zeros((1, 2))) == pytest.approx([math.pi * 4.0**2])
+
+
+@pytest.mark.parametrize(
+    ("radio", "area_m2"),
+    [(RadioSelf(), 1.5), (RadioSelf(range_m=9.0, reaches_all=False), 6.0)],
+)
+def test_robots_that_always_hear_each_other_share_the_return_area(radio, area_m2):
+    robot: Any = SimpleNamespace(
+        me=SimpleNamespace(radio=radio), options=GainOptions(return_area_m2=6.0)
+    )
+    costs: Any = SimpleNamespace(robots=[0, 1, 3, 4])
+    assert return_area_m2(robot, costs) == area_m2
 
 
 def explored(**changes: Any) -> ms.Run:
@@ -84,7 +97,8 @@ def test_the_decisions_are_recorded_and_explained(run):
     assert "first stop" not in text
 
 
-def test_a_tour_that_decides_is_explained(run):
+def test_a_tour_that_decides_is_explained():
+    run = explored(robots=1, seed=3)
     choices = [e for e in run.recording.events if isinstance(e, GoalChosen)]
     by_tour = next(e for e in choices if [pair[0] for pair in e.rounds].count(e.robot) > 1)
     stop = by_tour.rounds[-1][1]

@@ -98,17 +98,19 @@ def main() -> None:
     with standard_streams(), Terminations() as terminations:
         try:
             result = cli.main(prog_name=PROGRAM, complete_var=VARIABLE, standalone_mode=False)
-        except click.exceptions.NoArgsIsHelpError as error:
-            fail(error.format_message(), BAD_INPUT)
-        except click.ClickException as error:
-            fail(f"error: {usage_message(error)}", error.exit_code)
-        except MultiSrtError as error:
-            fail(f"error: {error}", BAD_INPUT)
         except (Exception, KeyboardInterrupt) as error:
+            # After an interrupt any error comes of it.
             if (signal := terminations.received) is not None:
                 fail(f"interrupted by {signal.name}", BY_SIGNAL + signal)
             is_interrupt = isinstance(error, click.exceptions.Abort | KeyboardInterrupt)
             if is_interrupt or terminations.is_interrupted:
                 fail("interrupted", INTERRUPTED)
+            match error:
+                case click.exceptions.NoArgsIsHelpError():
+                    fail(error.format_message(), BAD_INPUT)
+                case click.ClickException():
+                    fail(f"error: {usage_message(error)}", error.exit_code)
+                case MultiSrtError():
+                    fail(f"error: {error}", BAD_INPUT)
             raise
         raise SystemExit(result if isinstance(result, int) else COMPLETE)

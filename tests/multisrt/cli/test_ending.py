@@ -13,6 +13,7 @@ import pytest
 from multisrt import cli
 from multisrt.cli import ending
 from multisrt.cli.ending import TERMINATIONS, Terminations
+from multisrt.geometry.errors import InvalidInputError
 from tests.multisrt.cli.test_process import ROOT, process
 
 FULL = Path("/dev/full")
@@ -66,6 +67,23 @@ def test_what_an_interrupt_becomes_is_an_interrupt(monkeypatch, capsys, is_inter
         signal.signal(signal.SIGINT, before)
     assert ("interrupted" in capsys.readouterr().err) is is_interrupted
     assert not is_interrupted or ended.value.code == 130
+
+
+def test_an_error_that_blames_an_interrupt_on_the_input_is_an_interrupt(monkeypatch, capsys):
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+
+    def command(*_given: object, **_more: object) -> None:
+        with contextlib.suppress(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGINT)
+        raise InvalidInputError("the policy raised SystemError")
+
+    monkeypatch.setattr(cli.cli, "main", command)
+    try:
+        with pytest.raises(SystemExit) as ended:
+            cli.main()
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert (ended.value.code, capsys.readouterr().err) == (130, "interrupted\n")
 
 
 def test_an_ignored_signal_stays_ignored():

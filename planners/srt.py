@@ -363,7 +363,7 @@ class SrtPlanner:
             ample = room >= self.body.ample_radius_m
             narrower = (room >= self.body.roomy_radius_m) & ~ample
             places = np.vstack([places[ample], places[narrower]])
-            # Beside an arc of less than 0.1 mm, for which the border has a gap, it sees out.
+            # The border may have gaps of 0.1 mm, through which places outside are in sight.
             places = places[known.holds(places)]
             if bodies is not None:
                 places = places[paths_keep_clear(np.hstack([places, places]), bodies)]

@@ -216,7 +216,7 @@ class _BidStory(ChoiceStory[GoalChosen]):
             yield f"and {many(len(rounds) - MAX_ROWS, 'more round')}"
         own = [target for robot, target, *_ in rounds if robot == self.robot]
         if self.choice.rule == "gain" and len(own) > 1:
-            yield f"the tour of all that it gets is short if frontier {own[-1]} is the first stop"
+            yield f"by value and tour length, frontier {own[-1]} is the first stop of its tour"
 
     def _routes(self) -> Iterator[str]:
         if self.choice.goal is None:

@@ -311,10 +311,8 @@ def _left_by_srt(
     if _gives_up_early(run, robot):
         seen = _closed_arcs(run.recording.of(ArcClosed), "seen from near")
         only = without(only, seen.buffer(near_m, quad_segs=2))
-    if not (found := left(only)):
-        return found
     # What it rightly gave up is found last, as that takes longest.
-    return left(without(only, _was_out_of_reach(run, robot, reach, near_m)))
+    return left(only) and left(without(only, _was_out_of_reach(run, robot, reach, near_m)))
 
 
 def _is_led_to(

@@ -12,7 +12,7 @@ import shapely
 from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
-from multisrt.analysis.explorable import explorable
+from multisrt.analysis.explorable import explorable, viewers
 from multisrt.analysis.measuring import Curves, measure_with_curves
 from multisrt.analysis.metrics import Metrics
 from multisrt.campaign.invariants.open_frontier import GRID_M, WALL_M, union_of
@@ -291,19 +291,20 @@ def _overlaid(run: JudgedRun, m: Metrics) -> Iterator[str]:
 
 
 def _planned(run: JudgedRun, m: Metrics) -> Iterator[str]:
-    if run.recording.spec.strategy != "informed" or m.outcome != "complete":
+    spec = run.recording.spec
+    if spec.strategy != "informed" or m.outcome != "complete" or not _has_exact_scans(run):
         return
-    if not _has_exact_scans(run):
-        return
-    discs = []
-    for robot, spec in enumerate(run.recording.spec.robots):
-        radius_m = Footprint.parse(spec.footprint).circumscribed_radius_m + ROOM_M
-        start = Configuration(*run.recording.header.starts[robot])
-        if run.component(robot).boundary.distance(shapely.Point(*start[:2])) < radius_m:
+    starts = [Configuration(*start) for start in run.recording.header.starts]
+    discs = tuple(
+        (Footprint.disc(body.circumscribed_radius_m + ROOM_M), range_m, start)
+        for body, range_m, start in viewers(spec, starts)
+    )
+    for robot, (disc, _, (x, y, _)) in enumerate(discs):
+        clearance_m = run.component(robot).boundary.distance(shapely.Point(x, y))
+        if clearance_m < disc.circumscribed_radius_m:
             return
-        discs.append((Footprint.disc(radius_m), spec.range_finder.range_m, start))
     share = run.options["share"]
-    seen = m.seen * m.explorable_area_m2 / explorable(run.environment, tuple(discs)).area_m2
+    seen = m.seen * m.explorable_area_m2 / explorable(run.environment, discs).area_m2
     if seen < share - PLANNED:
         yield f"only {seen:.4f} of the area are seen by an informed plan for {share:g}"
 

@@ -231,11 +231,8 @@ def _unknown_and_standing(
 
 def united(run: JudgedRun, names: Collection[NodeName]) -> BaseGeometry:
     """Return the union of the regions of nodes."""
-    return run.once(("united", frozenset(names)), lambda: _united(run, names))
-
-
-def _united(run: JudgedRun, names: Collection[NodeName]) -> BaseGeometry:
-    return union_of(run.regions[name] for name in names)
+    key = "united", frozenset(names)
+    return run.once(key, lambda: union_of(run.regions[name] for name in names))
 
 
 def union_of(areas: Iterable[BaseGeometry]) -> BaseGeometry:

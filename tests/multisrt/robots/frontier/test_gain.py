@@ -103,7 +103,7 @@ def test_a_tour_that_decides_is_explained():
     by_tour = next(e for e in choices if [pair[0] for pair in e.rounds].count(e.robot) > 1)
     stop = by_tour.rounds[-1][1]
     text = explain(run.recording, by_tour.robot, by_tour.time_s)
-    assert f"the tour of all that it gets is short if frontier {stop} is the first stop\n" in text
+    assert f"by value and tour length, frontier {stop} is the first stop of its tour\n" in text
 
 
 def test_driving_backwards_changes_a_run(run):

@@ -28,14 +28,14 @@ class HomeOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
         relays, so that the base station hears the one that explores. Other values than "never" need
         a base station.
     home_margin : float
-        Share by which the estimated travel time home exceeds that at full speed, for turns, scans
-        and other robots on the path.
+        Margin on the travel time home at full speed, as a share of it, for turns, scans and other
+        robots on the path.
     home_reserve_s : float
         Time in seconds to be left at home for the delivery, and for delays that do not depend on
         the path.
     home_ratio : float
-        "worth": a robot goes home when the area acknowledged by the base station is less than this
-        share of the area that the robot knows.
+        "worth", and "relays" for a robot without a partner: a robot goes home when the area
+        acknowledged by the base station is less than this share of the area that the robot knows.
     home_wait_s : float
         Time in seconds for which a robot waits for an acknowledgement where it should be heard,
         with "relays" for its partner after the agreed time, and with "chain" for a relay that is

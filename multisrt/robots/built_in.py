@@ -127,7 +127,7 @@ BUILT_IN = (
     _bids("gain", "Large unknown areas at short paths, on a short tour of the rest", GainOptions),
     _bids(
         "routes",
-        "Plans routes of the whole team over all frontiers, with the longest kept short",
+        "Plans routes of the whole team over up to 24 frontiers, with the longest kept short",
         RoutesOptions,
     ),
 )

@@ -26,8 +26,9 @@ class GainChoice:
         The target; None if the robot can reach none.
     rounds : tuple of (robot, target, area, value)
         The pairs in the order in which they were taken, up to the robot's own: the area that was
-        left to the target for the robot in square metres, and its value. Where the robot shares a
-        target, they are those of the second round, in which others may choose otherwise.
+        left to the target for the robot in square metres, with the return area, and its value. If
+        the robot shares a target, they are those of the second auction, in which others may take
+        other targets.
     """
 
     choice: int | None

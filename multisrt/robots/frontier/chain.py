@@ -1,15 +1,15 @@
 """Chains of robots that keep the base station in touch while one of them explores.
 
 The *front* is the robot of the lowest number that is not presumed lost. Once it has nothing to do,
-the next robot is the front, and the first one again when all had their turn. The front goes only to
-frontiers from which a chain of relays, at most as many as there are other robots, reaches the base
-station, and waits until the relays are in place (`multisrt.planners.relay_chain`). Its reports tell
-which robot stands where. The other robots explore where the base station, or a called relay at its
-place, is certain to hear them. A robot that is called goes to its place and stays until the front
-calls it elsewhere or lets it go, which it does as soon as its chain is shorter, or it has nothing
-to do. No robot waits forever: a relay that is late and was not heard for a while is presumed lost,
-and one that is heard but late three times is not called any more; a front that was not heard for a
-while is presumed lost, and the next robot is the front.
+the next robot takes over; after the last one, it is the first one's turn again. The front goes only
+to frontiers from which a chain of relays, at most as many as there are other robots, reaches the
+base station, and waits until the relays are in place (`multisrt.planners.relay_chain`). Its reports
+tell which robot stands where. The other robots explore where the base station, or a called relay at
+its place, is certain to hear them. A robot that is called goes to its place and stays until the
+front calls it elsewhere or lets it go, which it does as soon as its chain is shorter, or it has
+nothing to do. No robot waits forever: a relay that is late and was not heard for a while is
+presumed lost, and one that is heard but late three times is not called any more; a front that was
+not heard for a while is presumed lost, and the next robot is the front.
 
 Source: see `multisrt.planners.relay_chain`. Differs in: which places are certain to be linked is
 computed from the robot's own map, not from measured signals: by the range of the radio less a

@@ -3,13 +3,13 @@
 A strategy of this project. The value of a frontier is the area that would be seen from it if all
 unknown cells were free, over a power of the cost of the path there. A return area is added to the
 area, for the path back to a frontier that is left behind: without it robots follow the large areas
-and leave small ones all over the map, which cost more in the end than was saved. Robots whose radio
-reaches all share it. The cost includes the first turn, so that a robot does not turn back for a
-small advantage. Robots take frontiers in order of value and go on from there, and frontiers that
-are taken reduce the areas of others near them (`planners.assignment.gain`). Each robot computes
-this for itself, for all robots that it takes into account. Of the frontiers that it takes, a robot
-goes first to one from which its tour of the others is short (`planners.assignment.gain_tours`), and
-it does not leave a goal for a small advantage.
+and leave small ones all over the map, which cost more in the end than was saved. If every message
+reaches all robots, they share it. The cost includes the first turn, so that a robot does not turn
+back for a small advantage. Robots take frontiers in order of value and go on from there, and
+frontiers that are taken reduce the areas of others near them (`planners.assignment.gain`). Each
+robot computes this for itself, for all robots that it takes into account. Of the frontiers that it
+takes, a robot goes first to one from which its tour of the others is short
+(`planners.assignment.gain_tours`), and it does not leave a goal for a small advantage.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from multisrt.robots.frontier.wavefront_costs import WavefrontCosts
 from multisrt.robots.frontier.wavefront_rules import Choice, settle_on
 
 MAX_TARGETS: Final = 24
-"""Maximum number of frontiers on tours: those of the highest values to the robot."""
+"""Maximum number of frontiers in the auction: those of the highest values to the robot."""
 
 
 def choose_gain(robot: FrontierRobot, because: str) -> Choice:

@@ -3,10 +3,11 @@
 A robot compares two plans of routes over the frontiers that it knows (`team_routes`). In the first
 the teammate, which is out of touch, visits only frontiers that it knows itself; robots in touch
 visit any. In the second the two meet, so that the teammate may visit any, too, and their routes
-begin at the place and time of the meeting. The teammate is pursued only if the second plan costs
-less: the longest route plus a tenth of the mean. The robot drives to where the teammate most
-probably is when the robot can be there (`multisrt.planners.pursuit`). The pursuit is over once the
-teammate has what the robot knew, and in vain if it does not come until a while after that time.
+begin at the place and time of the meeting. The teammate is pursued only if the second plan leaves
+out fewer frontiers or, with equally many, costs clearly less: the longest route plus a tenth of the
+mean. The robot drives to where the teammate most probably is when the robot can be there
+(`multisrt.planners.pursuit`). A pursuit succeeds once the teammate has what the robot knew, and
+fails if it has not come some time after the predicted meeting.
 
 Source: M-TARE (repository `caochao39/mtare_planner`, `grid_world` and `pursuit_mdp`). Differs in:
 targets are frontiers, not cells of 6 m; the route of a teammate is its reported path to its goal,

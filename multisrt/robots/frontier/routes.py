@@ -1,11 +1,11 @@
 """ROUTES: every robot plans the routes of the whole team, and goes to the first stop of its own.
 
-A strategy of this project. Each time a goal is chosen, the frontiers are divided among the robots
-and ordered to minimise the longest route (`planners.assignment.team_routes`). Every robot starts
-the search from the goals that the robots have told one another, so robots with the same knowledge
-plan the same routes; a goal costs less for the robot that has it, so that plans do not alternate.
-Plans differ by what only the planning robot knows: bodies that bar its paths, and frontiers for
-which it has no time.
+A strategy of this project. Each time a goal is chosen, up to 24 frontiers are divided among the
+robots and ordered to minimise the longest route (`planners.assignment.team_routes`). Every robot
+starts the search from the goals that the robots have told one another, so robots with the same
+knowledge plan the same routes; a goal costs less for the robot that has it, so that plans do not
+alternate. Plans of different robots differ only by what one of them alone knows: bodies that bar
+its paths, and frontiers for which it has no time.
 """
 
 from __future__ import annotations

@@ -134,10 +134,10 @@ def explore(
         configuration in `starts`.
     start : (x, y) or (x, y, heading), optional
         Start configuration (m, rad) of a single robot.
-    starts : {"scattered", "clustered", "random", "suggested"} or sequence, optional
+    starts : {"scattered", "clustered", "random", "suggested", "base"} or sequence, optional
         How the start configurations of a team are drawn: far apart, close together, or each
         uniformly among the places with enough room for the body; or the suggested starts of the
-        environment; or one configuration (m, rad) for each robot.
+        environment; or around the base station; or one configuration (m, rad) for each robot.
     footprint : str, optional
         Body of every robot, in the notation of `Footprint.parse`.
     range_m : float, optional
@@ -280,8 +280,8 @@ def run_fields(given: Mapping[str, Any]) -> dict[str, Any]:
     if isinstance(starts, str):
         if starts not in get_args(PlacedHow):
             raise InvalidInputError(
-                f'starts is "scattered", "clustered", "random", "suggested" or a sequence of '
-                f"configurations, not {starts!r}"
+                f'starts is "scattered", "clustered", "random", "suggested", "base" or a sequence '
+                f"of configurations, not {starts!r}"
             )
         fields["starts"] = starts
     robots = given.get("robots")

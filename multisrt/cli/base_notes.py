@@ -145,7 +145,7 @@ with --option home=in-time'
     if run.outcome == "out_of_time":
         return (
             f"{said} within the time limit of {spec.stop.max_time_s:g} s, as none found a way "
-            "there in time; allow more with --max-time, or start robots nearer to it"
+            "there in time; allow more with --max-time, or start robots there (--starts base)"
         )
     return f"{said}; they ended before they found a way there"
 
@@ -156,6 +156,7 @@ def _lacking(recording: Recording) -> str:
     Without an option `home` robots bring nothing, and what is lacking is a measure of the run.
     """
     from multisrt.events import BaseLearned, Died, NodeAdded
+    from multisrt.explain.home import knows_contact
     from multisrt.robots.naming import named_robots
 
     if recording.spec.options.get("home", "never") == "never":
@@ -169,5 +170,13 @@ def _lacking(recording: Recording) -> str:
     )
     if not counts:
         return ""
-    robots = named_robots(counts)
-    return f"{robots} did not bring home {counts.total()} of their scans: see multisrt why"
+    their = "their" if len(counts) > 1 else "its"
+    said = f"{named_robots(counts)} did not bring home {counts.total()} of {their} scans"
+    lost = [robot for robot in counts if not knows_contact(recording, robot)]
+    if not lost:
+        return f"{said}: see multisrt why"
+    who = "" if len(lost) == len(counts) else f"{named_robots(lost)} "
+    return (
+        f"{said}, as {who or ('they ' if len(counts) > 1 else 'it ')}came to no place where the "
+        "base station is certain to hear a robot; start robots there (--starts base)"
+    )

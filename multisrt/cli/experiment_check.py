@@ -14,6 +14,7 @@ from multisrt.cli.imports import import_all, import_option, imports_again
 from multisrt.cli.output_options import store_option
 from multisrt.cli.reach import elsewhere
 from multisrt.cli.spec_files import read_experiment
+from multisrt.geometry.errors import InvalidInputError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -87,7 +88,11 @@ def check(
     if spec.reference == "informed":
         plans = len({place_of(run.spec) for run in planned})
         click.echo(f"beside the informed plan: at most {plans} plans, up to a minute each")
-    warnings = _poor_starts(planned)
+    warnings, refused = _poor_starts(planned)
+    if refused.issuperset(everything):
+        _print_conditions(everything, {})
+        reasons = "\n  ".join(_by_reason(warnings))
+        raise InvalidInputError(f"no condition can be run:\n  {reasons}")
     found = _estimate(spec, planned, seconds, imports) if seconds else None
     _print_conditions(everything, {} if found is None else found.by_condition_s)
     if found is not None:
@@ -114,19 +119,20 @@ def _stored(path: Path, spec: ExperimentSpec, planned: Sequence[PlannedRun]) -> 
         return f"{store.done} of them are stored in {path}"
 
 
-def _poor_starts(planned: Sequence[PlannedRun]) -> dict[Condition, str]:
-    """Return why the team does not fit in the first repetition of conditions, or what it misses.
+def _poor_starts(planned: Sequence[PlannedRun]) -> tuple[dict[Condition, str], set[Condition]]:
+    """Return what is wrong in the first repetition of conditions, and which of them are refused.
 
-    It misses what lies in other parts of the world, and a base station that no robot gets to.
+    They are refused if the team does not fit, say. Otherwise the team misses what lies in other
+    parts of the world, or a base station that no robot gets to.
     """
     import msgspec
 
     from multisrt.environments.parts import is_poor_start
     from multisrt.experiments.mission import world_of
-    from multisrt.geometry.errors import InvalidInputError
 
     found: dict[Condition, str] = {}
-    tried: dict[Condition, str] = {}
+    refused: set[Condition] = set()
+    tried: dict[Condition, tuple[str, bool]] = {}
     for run in planned:
         if run.repetition:
             break
@@ -141,12 +147,15 @@ def _poor_starts(planned: Sequence[PlannedRun]) -> dict[Condition, str]:
                 poor = is_poor_start(world, x, y)
                 told = [base_apart(run.spec, world, starts)]
                 told += [elsewhere(world, (x, y), _by_places(len(run.spec.robots)))] * poor
-                tried[alike] = "; ".join(filter(None, told))
+                tried[alike] = "; ".join(filter(None, told)), False
             except InvalidInputError as error:
-                tried[alike] = str(error)
-        if tried[alike]:
-            found[run.condition] = tried[alike]
-    return found
+                tried[alike] = str(error), True
+        why, is_refused = tried[alike]
+        if why:
+            found[run.condition] = why
+        if is_refused:
+            refused.add(run.condition)
+    return found, refused
 
 
 def _starts(spec: RunSpec, world: Environment) -> tuple[Configuration, ...]:

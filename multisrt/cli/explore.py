@@ -145,9 +145,9 @@ Exit code:
 @click.option("--robots", type=int, metavar="N", help="Number of robots.  [default: 1]")
 @click.option(
     "--starts",
-    type=click.Choice(["scattered", "clustered", "random", "suggested"]),
+    type=click.Choice(["scattered", "clustered", "random", "suggested", "base"]),
     help="Where robots without a start of their own (--start, --robot start=X,Y) start; suggested: "
-    "by the map file.  [default: scattered]",
+    "by the map file; base: around the base station.  [default: scattered]",
 )
 @click.option(
     "--start",

@@ -148,8 +148,8 @@ def _print_comparison(runs: list[Run]) -> None:
             *(column[number] for column in cells),
         )
     show(compared)
-    click.echo("* best of the successful runs, one for each strategy; 'multisrt experiment'")
-    click.echo("  compares over many seeds\n")
+    what = "* best of the successful runs, one" if any(good) else "one run"
+    click.echo(f"{what} for each strategy; 'multisrt experiment'\n  compares over many seeds\n")
 
 
 def _share(value: float | None) -> str:

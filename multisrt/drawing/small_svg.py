@@ -8,6 +8,7 @@ from typing import Final
 import shapely
 
 from multisrt.drawing.areas import seen_first
+from multisrt.drawing.base_marks import draw_base
 from multisrt.drawing.colours import RobotStyles
 from multisrt.drawing.marks import draw_areas, draw_starts_and_ends
 from multisrt.drawing.sheet import Sheet
@@ -30,8 +31,9 @@ PATH_MM: Final = 0.45
 def small_svg(recording: Recording, title: str) -> str:
     """Return a small picture of a run, without texts but the numbers of robots.
 
-    It shows the area of each robot of a team that it saw first, paths, starts and ends. Outlines
-    and paths are simplified; `tree_svg` has all details.
+    It shows the area of each robot of a team that it saw first, paths, starts and ends, the base
+    station and the border of what it knows. Outlines and paths are simplified; `tree_svg` has all
+    details.
 
     Parameters
     ----------
@@ -72,7 +74,8 @@ def small_svg(recording: Recording, title: str) -> str:
         if trace.motions and len(trace.path) > 1:
             path = shapely.simplify(shapely.LineString(trace.path), tolerance)
             child(layer, "path", d=sheet.pen.line(shapely.get_coordinates(path)))
-    draw_starts_and_ends(sheet, traces)
+    draw_base(sheet, recording, environment, frozenset())
+    draw_starts_and_ends(sheet, traces, base=recording.spec.base)
     return sheet.map_svg(title)
 
 

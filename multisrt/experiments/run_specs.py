@@ -285,6 +285,10 @@ def _placed(
     drawn = starts.first == "drawn"
     if starts.places and drawn:
         raise InvalidInputError("starts are given ('places') or 'drawn', not both")
+    if starts.how == "base" and (starts.places or drawn):
+        raise InvalidInputError(
+            "starts at the base station are neither given ('places') nor 'drawn': leave that out"
+        )
     for number, robot in enumerate(robots):
         if robot.start is not None and (starts.places or (drawn and number == 0)):
             raise InvalidInputError(

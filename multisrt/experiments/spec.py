@@ -166,9 +166,9 @@ class StartsChoice(_Part, frozen=True, kw_only=True, omit_defaults=True):
 
     Attributes
     ----------
-    how : {"scattered", "clustered", "random", "suggested"}
+    how : {"scattered", "clustered", "random", "suggested", "base"}
         Whether starts are drawn far apart, close together, or uniformly where bodies have room, or
-        are those that the environment suggests.
+        are those that the environment suggests, or lie around the base station.
     first : {"any", "drawn"}
         "drawn": the first robot's start and heading are drawn uniformly in each repetition, and
         the others placed as `how` says. "any": as in a single run, where a robot alone
@@ -326,7 +326,7 @@ class ExperimentSpec(_Part, frozen=True, kw_only=True, omit_defaults=True):
     robots : tuple of int or TeamChoice
         Team sizes, or tables of teams whose robots differ.
     starts : tuple of str or StartsChoice
-        "scattered", "clustered", "random", "suggested", or tables.
+        "scattered", "clustered", "random", "suggested", "base", or tables.
     radios : tuple of str or RadioChoice
         "unlimited", or tables.
     bodies : tuple of str or BodyChoice

@@ -49,7 +49,8 @@ robots = [1, 2, 4, 8]
 repetitions = 20
 first_seed = 0
 
-# Starts: "scattered" far apart, "clustered" close together, "random", "suggested", or tables.
+# Starts: "scattered" far apart, "clustered" close together, "random", "suggested", "base" (around
+# the base station), or tables.
 starts = ["scattered"]
 # starts = [{ how = "clustered", first = "drawn" }]    # around a start drawn in each repetition
 # starts = [{ label = "door", places = [[1, 1], [2, 1], [3, 1], [4, 1]] }]

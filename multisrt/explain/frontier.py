@@ -94,6 +94,7 @@ class _BidStory(ChoiceStory[GoalChosen]):
     def knowledge(self) -> Iterator[str]:
         yield f"its map had {many(self.own_nodes(), 'scan')} of its own that showed something new"
         yield from self.learned()
+        yield from self.to_deliver()
         yield f"{many(len(self.choice.frontiers), 'frontier')} wide enough to go to"
         if len(self.team) > 1 and self.choice.robots:
             others = [robot for robot in self.choice.robots if robot != self.robot]
@@ -132,7 +133,8 @@ class _BidStory(ChoiceStory[GoalChosen]):
     def goal(self) -> Iterator[str]:
         choice = self.choice
         if choice.goal is None:
-            yield f"no goal: there is none that it can reach{ALSO.get(self.home, '')}"
+            also = ALSO.get(self.home, "") if choice.frontiers else ""
+            yield f"no goal: there is none that it can reach{also}"
             return
         number = self._chosen()
         which = "" if number is None else f"frontier {number}, "

@@ -219,6 +219,7 @@ class _Story(ChoiceStory[Decision]):
         yield f"its local frontier there was {self.choice.frontier_m:.2f} m long"
         yield f"its map had {many(self.own_nodes(), 'node')} that it had made"
         yield from self.learned()
+        yield from self.to_deliver()
         yield from self.complete()
 
     def decided(self) -> Iterator[str]:

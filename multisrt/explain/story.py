@@ -23,6 +23,7 @@ from multisrt.events import (
     Pose,
     Sent,
 )
+from multisrt.explain.home import home_lines
 from multisrt.explain.words import SAME_MOMENT_S, by_robot, many, place, titled, troubles
 from multisrt.planners.motion.trajectory import leg_length
 from multisrt.recording import Recording
@@ -61,6 +62,7 @@ class ChoiceStory(ABC, Generic[ChoiceT]):
 
     def __init__(self, recording: Recording, index: int, choice: ChoiceT, asked_s: float) -> None:
         self.choice: ChoiceT = choice
+        self.recording = recording
         self.robot, self.asked_s, self.time_s = choice.robot, asked_s, choice.time_s
         self.team = range(len(recording.spec.robots))
         self.home = str(recording.spec.options.get("home", "never"))
@@ -101,6 +103,10 @@ class ChoiceStory(ABC, Generic[ChoiceT]):
                 f"it had learned {many(len(names), self.things)} of others: {by_robot(names)}; "
                 f"last at {learned[-1].time_s:.2f} s"
             )
+
+    def to_deliver(self) -> Iterator[str]:
+        """Describe what it had to deliver, and whether it knew where."""
+        return home_lines(self.recording, self.robot, self.time_s, self.things)
 
     def own_nodes(self) -> int:
         """Return how many nodes it had made by then."""

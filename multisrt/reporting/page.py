@@ -129,7 +129,8 @@ def write_report(
     replays : bool, optional
         Whether pages that replay the runs of the gallery are written beside the report.
     measures : sequence of str, optional
-        Names of the measures to discuss; by default `study.HEADLINES`.
+        Names of the measures to discuss; by default `study.HEADLINES`, and `study.DELIVERY` with a
+        base station.
     baseline : str, optional
         Label of the strategy that the others are compared with; by default the first one.
     folder : Path, optional
@@ -159,7 +160,8 @@ def write_report(
     """
     path = Path(out)
     say = progress or (lambda _: None)
-    study, chosen = Study(results, baseline), chosen_measures(measures)
+    study = Study(results, baseline)
+    chosen = chosen_measures(study, measures)
     with _replaced(path) as unfinished:
         contents = _contents(study, chosen, say)
         contents.claims = claims

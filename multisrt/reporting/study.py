@@ -48,6 +48,9 @@ HEADLINES = (
 )
 """Names of the measures that reports discuss by default; the others have tables only."""
 
+DELIVERY = ("delivered_coverage", "delivery_delay_s")
+"""Names of those that they discuss, too, if there is a base station."""
+
 Kind = Literal["paired", "one-sample", "none"]
 """Test of a comparison: of two samples, of a sample and one run for every seed, or of two such."""
 
@@ -258,9 +261,8 @@ class Study:
     # Measures ----------------------------------------------------------------------------------
 
     def varies(self, measure: Measure) -> bool:
-        """Return whether any two runs differ in a measure."""
-        values = {measure.of(result) for result in self.results} - {None}
-        return len(values) > 1
+        """Return whether any two runs that were measured differ in a measure, or in having it."""
+        return len({measure.of(r) for r in self.results if r.metrics is not None}) > 1
 
     def has(self, measure: Measure, setting: Condition) -> bool:
         """Return whether any run in a setting has a value of a measure."""
@@ -402,15 +404,18 @@ def team_name(setting: Condition) -> str:
     return setting.team or f"{setting.robots} robot{'s' * (setting.robots != 1)}"
 
 
-def chosen_measures(names: Sequence[str] = ()) -> tuple[Measure, ...]:
-    """Return the measures of the given names, by default `HEADLINES`.
+def chosen_measures(study: Study, names: Sequence[str] = ()) -> tuple[Measure, ...]:
+    """Return the measures of the given names, by default `HEADLINES` and perhaps `DELIVERY`.
 
     Raises
     ------
     InvalidInputError
         If there is no measure of a name.
     """
-    return tuple(map(measure_named, dict.fromkeys(names) or HEADLINES))
+    has_base = any(r.metrics and r.metrics.delivered_coverage is not None for r in study.results)
+    return tuple(
+        map(measure_named, dict.fromkeys(names) or (*HEADLINES, *(DELIVERY if has_base else ())))
+    )
 
 
 def other_measures(chosen: Sequence[Measure]) -> list[Measure]:

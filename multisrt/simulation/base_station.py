@@ -20,8 +20,9 @@ from multisrt.simulation.rooms import nearest_room
 from multisrt.spec import BaseSpec
 from multisrt.spec.numbering import numbers_of
 
-POINT = Footprint.disc(1e-3)
-"""The body for which a place is suggested to users; a base station has none."""
+AWAY_FROM_WALLS = Footprint.disc(0.25)
+"""The body for which a place is suggested to users. A base station has none, but robots have to get
+to it; beside a wall it is hardly ever in a safe region."""
 
 SendMessage = Callable[[Message, int | None], None]
 """Sends a message of the base station to a robot, by its number, or to all."""
@@ -110,17 +111,18 @@ def require_free(base: BaseSpec, environment: Environment) -> None:
     ...
     multisrt.geometry.errors.ClearanceError: the base station (4, 6) is not in the free space of \
 'hall': it is in an obstacle or outside the outline, 1 m from free space; the nearest place in \
-free space is (4, 4.99), 1.01 m from there
+free space, 0.25 m from walls, is (4, 4.74), 1.26 m from there
     """
     x, y = base.place
     try:
         environment.component(x, y)
     except ClearanceError as error:
-        place = nearest_room(environment, POINT, x, y)
+        place = nearest_room(environment, AWAY_FROM_WALLS, x, y)
         instead = "choose a place in free space"
         if place is not None:
             instead = (
-                f"the nearest place in free space is ({place[0]:g}, {place[1]:g}), "
+                f"the nearest place in free space, {AWAY_FROM_WALLS.radius_m:g} m from walls, is "
+                f"({place[0]:g}, {place[1]:g}), "
                 f"{math.dist(place, (x, y)):.3g} m from there"
             )
         raise ClearanceError(f"the base station {error}; {instead}", error.clearance_m) from None

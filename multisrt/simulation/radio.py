@@ -58,7 +58,7 @@ class Radio:
             loss=self._spec.loss,
             multi_hop=self._spec.multi_hop,
             reaches_all=self.reaches_everywhere and self._spec.loss == 0.0,
-            walls_matter=self._spec.walls != "pass",
+            walls_matter=self._spec.walls_matter,
         )
 
     def links(self, positions: Sequence[Sequence[float]], working: Sequence[bool]) -> BoolArray:

@@ -1,4 +1,4 @@
-"""Where the robots of a team start: as the spec says, scattered, clustered, or at random."""
+"""Where the robots of a team start: scattered, clustered, at random, or at the base station."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from functools import lru_cache
 import numpy as np
 import shapely
 from numpy.random import Generator as RandomGenerator
-from shapely import Polygon
+from shapely import Point, Polygon
 from shapely.geometry.base import BaseGeometry
 
 from multisrt.environments.area_text import area_text
@@ -22,6 +22,7 @@ from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError, counted
 from multisrt.geometry.numerics.kernel import BoolArray, FloatArray
 from multisrt.planners.motion.kinematics import Car
+from multisrt.simulation.base_station import require_free
 from multisrt.simulation.random_streams import RandomStreams
 from multisrt.simulation.rooms import body_fits, misfit, needed_clearance
 from multisrt.spec import RunSpec
@@ -38,6 +39,9 @@ it has room beside them.
 
 SUBDIVISION = 3
 """Steps of the lattice of a cluster from one position for a robot to the next."""
+
+ROOM_AT_BASE = 1.01
+"""Room around the center of a team at the base station, as a multiple of what its robots need."""
 
 MAX_REASONS = 3
 """Number of suggested starts of which is told why they do not suit a robot."""
@@ -58,8 +62,8 @@ def starts_of(
     scattered, each at the one of `CANDIDATES` such positions that is farthest from the others,
     with a random heading; or each at such a position where it has room beside the others; or at the
     suggested starts, in their order; or clustered around the first one, which starts like a single
-    robot, and in its heading, at the
-    nodes of a hexagonal lattice that are in its sight or have the shortest paths.
+    robot, and in its heading, at the nodes of a hexagonal lattice that are in its sight or have the
+    shortest paths; or so around the base station (the place nearest to it with room for each).
 
     Parameters
     ----------
@@ -96,10 +100,14 @@ def starts_of(
     if len(starts) < len(footprints):
         if spec.starts == "suggested":
             _take_suggested(environment, component if starts else None, footprints, starts)
+        elif spec.starts == "base":
+            _gather_at_base(streams, environment, spec, footprints, starts)
         elif len(footprints) == 1:
             starts[0] = _alone(streams, environment, footprints[0])
         elif spec.starts == "clustered":
-            _cluster(streams, environment, footprints, starts)
+            if not starts:
+                starts[0] = _alone(streams, environment, footprints[0])
+            _cluster(environment, footprints, starts, starts[min(starts)])
         else:
             take = _farthest if spec.starts == "scattered" else _first
             _place(streams, environment, component, footprints, starts, take)
@@ -428,30 +436,51 @@ def _room(environment: Environment, component: Polygon, footprint: Footprint) ->
 # A clustered team ---------------------------------------------------------------------------
 
 
-def _cluster(
+def _gather_at_base(
     streams: RandomStreams,
     environment: Environment,
+    spec: RunSpec,
     footprints: list[Footprint],
     starts: dict[int, Configuration],
 ) -> None:
-    if not starts:
-        starts[0] = _alone(streams, environment, footprints[0])
-    anchor = starts[min(starts)]
+    assert spec.base is not None
+    require_free(spec.base, environment)
+    component = environment.component(*spec.base.place)
+    waiting = [body for number, body in enumerate(footprints) if number not in starts]
+    # A little more room than robots need: the place is not on the border of theirs.
+    room = _roomy(component, ROOM_AT_BASE * max(body.circumscribed_radius_m for body in waiting))
+    if room.is_empty:
+        raise _does_not_fit(environment, len(starts), len(footprints))
+    line = shapely.shortest_line(room, Point(spec.base.place))
+    x, y = shapely.get_coordinates(line)[0].tolist()
+    heading = float(streams.of("starts").uniform(-math.pi, math.pi))
+    _cluster(environment, footprints, starts, Configuration(x, y, heading), spec.base.place)
+    _common_component(environment, starts)
+
+
+def _cluster(
+    environment: Environment,
+    footprints: list[Footprint],
+    starts: dict[int, Configuration],
+    anchor: Configuration,
+    base: tuple[float, float] | None = None,
+) -> None:
+    # Around an anchor, beside the robots that stand already, and beside the base station.
     waiting = [number for number in range(len(footprints)) if number not in starts]
     radius = max(footprints[number].circumscribed_radius_m for number in waiting)
     # One lattice for all, with room for the largest body beside the first and beside itself.
-    widest = max(radius, footprints[min(starts)].circumscribed_radius_m)
+    first = footprints[min(starts, default=waiting[0])].circumscribed_radius_m
     lattice = _Lattice(
         environment.component(anchor.x, anchor.y),
         anchor,
-        pitch=radius + widest + GAP_M,
+        pitch=radius + max(radius, first) + GAP_M,
         radius=radius,
         passage=min(footprint.inscribed_radius_m for footprint in footprints),
     )
-    taken = np.array([start[:2] for start in starts.values()])
-    needed = np.array(
-        [radius + GAP_M + footprints[number].circumscribed_radius_m for number in starts]
-    )
+    stand = {start[:2]: footprints[n].circumscribed_radius_m for n, start in starts.items()}
+    if base is not None:
+        stand.setdefault(base, 0.0)
+    taken, needed = np.array([*stand]), radius + GAP_M + np.array([*stand.values()])
     places = lattice.nearest(len(waiting), taken, needed)
     if len(places) < len(waiting):
         raise _does_not_fit(environment, len(starts) + len(places), len(footprints))

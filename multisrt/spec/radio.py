@@ -58,9 +58,14 @@ class RadioSpec(Part, frozen=True, kw_only=True):
         return math.inf if self.range_m is None else self.range_m
 
     @property
+    def walls_matter(self) -> bool:
+        """Whether walls break links, or shorten them."""
+        return self.walls != "pass"
+
+    @property
     def reaches_everywhere(self) -> bool:
         """Whether messages reach all robots despite distance and walls; they may still be lost."""
-        return self.range_m is None and self.walls == "pass"
+        return self.range_m is None and not self.walls_matter
 
     def __post_init__(self) -> None:
         for name, ok, allowed in (

@@ -20,7 +20,7 @@ from multisrt.spec.radio import RadioSpec
 from multisrt.spec.robots import RobotSpec
 from multisrt.validation_errors import UNREADABLE, explained
 
-PlacedHow = Literal["scattered", "clustered", "random", "suggested"]
+PlacedHow = Literal["scattered", "clustered", "random", "suggested", "base"]
 """How a team is placed: far apart, close together, at random, or where the map suggests."""
 
 
@@ -73,10 +73,11 @@ class RunSpec(Part, frozen=True, kw_only=True):
         Options of the strategy that differ from its defaults.
     robots : tuple of RobotSpec
         The team.
-    starts : {"scattered", "clustered", "random", "suggested"}
+    starts : {"scattered", "clustered", "random", "suggested", "base"}
         How robots without a `start` are placed: far apart, close together, each at a random place,
-        or at the suggested starts of the environment. A single robot starts at a suggested start if
-        there is one, otherwise at a random place.
+        at the suggested starts of the environment, or around the base station. A single robot
+        starts at a suggested start if there is one, otherwise at a random place, unless at the base
+        station.
     radio : RadioSpec
         The radio.
     base : BaseSpec or None
@@ -117,6 +118,8 @@ class RunSpec(Part, frozen=True, kw_only=True):
             raise InvalidInputError("a team has at least one robot")
         if self.seed < 0:
             raise InvalidInputError(f"a seed is 0 or a positive whole number, not {self.seed}")
+        if self.starts == "base" and self.base is None:
+            raise InvalidInputError("starts are at the base station, but there is none: give base")
         self._check_faults()
 
     def _check_faults(self) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 import shapely
@@ -11,7 +12,7 @@ from shapely import LineString
 from multisrt.geometry.numerics.arrays import BoolArray, FloatArray
 from multisrt.geometry.numerics.distances import inside
 from multisrt.robots.knowledge import Entries, Node, NodeId
-from multisrt.robots.robot_self import RobotSelf
+from multisrt.robots.robot_self import RadioSelf, RobotSelf
 
 Place = tuple[float, float]
 
@@ -20,6 +21,27 @@ RANGE_MARGIN_M = 0.05
 
 Robots stop slightly off their goals.
 """
+
+
+def is_certain_contact(
+    base: Place, radio: RadioSelf, configuration: Sequence[float], region: FloatArray
+) -> bool:
+    """Return whether the base station is certain to hear a robot at a node.
+
+    Parameters
+    ----------
+    base : (x, y)
+        Where the base station is, in metres.
+    radio : RadioSelf
+        The radio of the robot.
+    configuration : (x, y, heading)
+        Where the node is (m, rad).
+    region : (n, 2) array
+        Corners of its local safe region, in metres.
+    """
+    if math.dist(configuration[:2], base) > radio.range_m - RANGE_MARGIN_M:
+        return False
+    return not radio.walls_matter or inside(region, *base)
 
 
 class ContactPlaces:
@@ -67,6 +89,7 @@ class ContactPlaces:
         assert me.base is not None
         self.base: Place = me.base
         self.nodes: dict[NodeId, Node] = {}
+        self._radio = me.radio
         self._range_m = me.radio.range_m - RANGE_MARGIN_M
         self._walls_matter = me.radio.walls_matter
         self._looked_at = 0
@@ -78,17 +101,10 @@ class ContactPlaces:
             return False
         before = len(self.nodes)
         for node in list(nodes.values())[self._looked_at :]:
-            if self.is_certain(node):
+            if is_certain_contact(self.base, self._radio, node.configuration, node.region.boundary):
                 self.nodes[node.id] = node
         self._looked_at = len(nodes)
         return len(self.nodes) > before
-
-    def is_certain(self, node: Node) -> bool:
-        """Return whether the base station is certain to hear a robot at a node."""
-        x, y, _ = node.configuration
-        if math.dist((x, y), self.base) > self._range_m:
-            return False
-        return not self._walls_matter or inside(node.region.boundary, *self.base)
 
     def is_certain_beside(self, node: Node, place: Place) -> bool:
         """Return whether it is certain to hear a robot at a place beside one of `nodes`."""

@@ -1,5 +1,8 @@
 """What is said of a base station that robots do not reach, or that learned nothing."""
 
+import re
+from collections import Counter
+
 import pytest
 import shapely
 
@@ -8,6 +11,7 @@ from multisrt.cli.base_notes import base_apart, not_delivered
 from multisrt.cli.summary import print_summary
 from multisrt.environments.environment import Environment
 from multisrt.events import BaseLearned, NodeAdded
+from multisrt.explain.srt import explain
 from multisrt.geometry.configuration import Configuration
 
 ROOMS = Environment("rooms", shapely.union_all([shapely.box(0, 0, 2, 2), shapely.box(3, 0, 13, 4)]))
@@ -80,7 +84,7 @@ def test_a_limit_too_short_to_find_the_way_is_told(capsys, tmp_path):
     said = (
         "the base station learned nothing: no robot was in reach of its radio (3 m) within the "
         "time limit of 90 s, as none found a way there in time; allow more with --max-time, or "
-        "start robots nearer to it"
+        "start robots there (--starts base)"
     )
     assert not_delivered(run) == said
     print_summary([run], [tmp_path])
@@ -174,11 +178,40 @@ def test_robots_that_ended_with_news_are_told():
         max_time_s=40.0,
         options=IN_TIME,
     )
-    lacking = {0: 0, 1: 0}
-    known = {name for event in run.recording.of(BaseLearned) for name in event.nodes}
-    for node in run.recording.of(NodeAdded):
-        lacking[node.robot] += (node.robot, node.serial) not in known
+    lacking = _lacking(run)
     assert lacking[0] > 0
-    robots = "robots 0 and 1" if lacking[1] else "robot 0"
-    told = f"{robots} did not bring home {sum(lacking.values())} of their scans: see multisrt why"
+    assert lacking[1] == 0
+    assert not_delivered(run) == (
+        f"robot 0 did not bring home {lacking[0]} of its scans, as it came to no place where the "
+        "base station is certain to hear a robot; start robots there (--starts base)"
+    )
+    told = explain(run.recording, 0)
+    assert f"of the {lacking[0]} scans that it knew, the base station lacked {lacking[0]}" in told
+    assert "it knew no place where the base station is certain to hear it" in told
+    told = explain(run.recording, 1)
+    assert re.search(r"of the \d+ scans that it knew, the base station lacked \d+", told)
+    assert "it knew no place" not in told
+
+
+def test_robots_that_were_not_heard_where_they_should_be_are_told():
+    run = ms.explore(
+        BEND,
+        strategy="minpos",
+        starts=[(1.0, 0.6)],
+        base=(1.0, 0.6),
+        radio_range_m=1.5,
+        max_time_s=60.0,
+        faults=[ms.Silence(robot=0, time_s=5.0, duration_s=100.0)],
+        options=IN_TIME,
+    )
+    lacking = _lacking(run)[0]
+    assert lacking > 0
+    told = f"robot 0 did not bring home {lacking} of its scans: see multisrt why"
     assert not_delivered(run) == told
+
+
+def _lacking(run: ms.Run) -> Counter[int]:
+    known = {name for event in run.recording.of(BaseLearned) for name in event.nodes}
+    return Counter(
+        node.robot for node in run.recording.of(NodeAdded) if (node.robot, node.serial) not in known
+    )

@@ -305,18 +305,20 @@ def test_check_warns_of_impossible_runs(call, folder):
     assert "fit at the start" in warnings[0]
 
 
-def test_check_warns_of_a_base_station_in_a_wall_and_of_too_little_time(call, folder):
+def test_check_refuses_a_base_station_in_a_wall_and_warns_of_too_little_time(call, folder):
     based = SMALL + "\n[base]\nx = 50.0\ny = 1.0\n"
     (folder / "wall.toml").write_text(based)
     code, _, err = call("check", "wall.toml", "--seconds", "0")
-    assert code == 0
-    (warning,) = err.splitlines()
-    assert "the base station (50, 1) is not in the free space" in warning
-    assert "the nearest place in free space is" in warning
+    assert code == 2
+    first, refusal = err.splitlines()
+    assert first == "error: no condition can be run:"
+    assert "the base station (50, 1) is not in the free space" in refusal
+    assert "the nearest place in free space, 0.25 m from walls, is" in refusal
     home = 'strategies = [{ name = "minpos", options = { home = "in-time" } }, "minpos"]'
     late = re.sub("^strategies = .*$", home, based.replace("50.0", "1.0"), flags=re.MULTILINE)
     (folder / "late.toml").write_text(late + "\n[stop]\nmax_time_s = 5.0\n")
-    _, _, err = call("check", "late.toml", "--seconds", "0")
+    code, _, err = call("check", "late.toml", "--seconds", "0")
+    assert code == 0
     assert err.startswith("warning: [room, minpos (home=in-time), 1 robot")
     assert "the time limit of 5 s is too short to deliver data" in err
 

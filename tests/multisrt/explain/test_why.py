@@ -511,9 +511,12 @@ def test_no_goal_and_the_end(bidding):
     ],
 )
 def test_no_goal_is_explained_by_what_is_asked_of_goals(home, said):
-    recording = recorder_of(BIDS, "minpos", home=home).finish(9.0, "complete", "")
-    lines = part(explain(recording, 1), "What it chose").splitlines()
-    assert lines[0].strip() == f"no goal: there is none {said}"
+    # Where there is no frontier at all, nothing else was asked.
+    for frontiers, why in ((TWO, said), ((), "that it can reach")):
+        choice = chosen(8.0, 1, None, because="nothing left", frontiers=frontiers)
+        recorder = recorder_of([*BIDS[:-2], choice, BIDS[-1]], "minpos", home=home)
+        lines = part(explain(recorder.finish(9.0, "complete", ""), 1), "What it chose")
+        assert lines.splitlines()[0].strip() == f"no goal: there is none {why}"
 
 
 @pytest.mark.parametrize(

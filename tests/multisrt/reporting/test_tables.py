@@ -488,7 +488,7 @@ def test_unknown_names_are_refused_with_the_nearest(make):
     with pytest.raises(InvalidInputError, match="did you mean 'srt-star'"):
         Study(results, "srt-stat")
     with pytest.raises(InvalidInputError, match="did you mean 'makespan_s'"):
-        chosen_measures(["makespan"])
+        chosen_measures(Study(results), ["makespan"])
 
 
 def test_every_measure_has_a_table(make):
@@ -559,3 +559,36 @@ def test_numbers_are_short():
     assert number(-0.04, 1) == "0.0"
     assert number(-2.5, 1) == "\N{MINUS SIGN}2.5"
     assert slug("../../etc/passwd\x00") == "etc-passwd"
+
+
+def test_reports_with_a_base_station_discuss_what_was_delivered(make):
+    results = make({("w", "srt-star", 1): [1.0, 2.0]})
+    names = [measure.name for measure in chosen_measures(Study(results))]
+    assert "coverage" in names
+    assert "delivered_coverage" not in names
+    told = [
+        msgspec.structs.replace(
+            one,
+            metrics=msgspec.structs.replace(
+                metrics_of(one), delivered_coverage=0.5, delivery_delay_s=9.0
+            ),
+        )
+        for one in results
+    ]
+    with_base = Study(Results(results.experiment, told, 2, results.provenance))
+    chosen = chosen_measures(with_base)
+    assert [one.name for one in chosen] == [*names, "delivered_coverage", "delivery_delay_s"]
+    assert [one.name for one in chosen_measures(with_base, ["coverage"])] == ["coverage"]
+
+
+def test_a_measure_that_some_runs_lack_varies(make):
+    # 95 % was delivered in one run and not in the other; a run that crashed has no say.
+    results = make({("w", "srt-star", 1): [1.0, 2.0, None]})
+    measure = measure_named("delivered_95_s")
+    assert not Study(results).varies(measure)
+    one, *others = results
+    measured = msgspec.structs.replace(metrics_of(one), delivered_95_s=9.0)
+    some = [msgspec.structs.replace(one, metrics=measured), *others]
+    assert Study(Results(results.experiment, some, 3, results.provenance)).varies(measure)
+    alone = [some[0], others[1]]
+    assert not Study(Results(results.experiment, alone, 2, results.provenance)).varies(measure)

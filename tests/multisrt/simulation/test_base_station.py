@@ -251,9 +251,10 @@ def test_a_message_on_its_way_to_the_base_is_waited_for(play):
 @pytest.mark.parametrize(
     ("x", "y", "said"),
     [
-        (8.0, 1.0, "outside the outline, 1.4 m from free space; the nearest place in free space is"
-         r" \(8, 2.41\)"),
-        (6.0, 1.0, r"on its border; the nearest place in free space is \(5.99, 1\)"),
+        (8.0, 1.0, "outside the outline, 1.4 m from free space; the nearest place in free space, "
+         r"0.25 m from walls, is \(8, 2.66\)"),
+        (6.0, 1.0, "on its border; the nearest place in free space, 0.25 m from walls, is"
+         r" \(5.74, 1\)"),
     ],
 )  # fmt: skip
 def test_a_base_in_a_wall_is_refused(x, y, said):

@@ -20,7 +20,7 @@ from multisrt.simulation.random_streams import random_stream
 from multisrt.simulation.rooms import nearest_room
 from multisrt.simulation.starts import starts_of
 from multisrt.simulation.worlds import inline
-from multisrt.spec import DriveSpec, RangeFinderSpec, RobotSpec, RunSpec
+from multisrt.spec import BaseSpec, DriveSpec, RangeFinderSpec, RobotSpec, RunSpec
 
 HALL = Environment("hall", shapely.box(0, 0, 12, 8))
 PILLAR = Environment("pillar", HALL.free.difference(shapely.box(4, 2, 6, 4)))
@@ -339,6 +339,56 @@ def test_a_cluster_goes_round_walls_not_through_them():
     assert many[:30] == found
     assert len(behind) >= 5
     assert all(start.y > 1.5 for start in behind)
+
+
+# At the base station --------------------------------------------------------------------------
+
+
+def at_base(
+    world: Environment, robots: Iterable[RobotSpec], x: float, y: float
+) -> tuple[Configuration, ...]:
+    return starts(world, robots, starts="base", base=BaseSpec(x=x, y=y))
+
+
+def test_teams_stand_around_the_base_station():
+    found = at_base(HALL, team(18), 6.0, 4.0)
+    away = np.sort([math.dist(start[:2], (6.0, 4.0)) for start in found])
+    expected = [0.75] * 6 + [0.75 * math.sqrt(3)] * 6 + [1.5] * 6
+    assert away == pytest.approx(expected, abs=1e-9)
+    assert len({start.heading for start in found}) == 1
+    # A single robot takes the first of these places, and suggested starts do not matter.
+    world = Environment("hall", HALL.free, starts=[(1, 1)])
+    assert math.dist(at_base(world, team(1), 6.0, 4.0)[0][:2], (6.0, 4.0)) == pytest.approx(0.75)
+
+
+def test_at_a_wall_the_nearest_place_with_room_is_taken():
+    # Robots keep 0.275 m from walls, and half a metre from the base station.
+    (start,) = at_base(HALL, team(1), 6.0, 0.01)
+    assert math.dist(start[:2], (6.0, 0.01)) == pytest.approx(0.75, abs=0.2)
+    # Not in the next room, which is as near through the wall.
+    found = at_base(rooms(), team(5), 4.9, 0.6)
+    assert all(start.x < 5 for start in found)
+
+
+def test_given_starts_stay_and_the_others_stand_at_the_base():
+    given = RobotSpec(start=(1.0, 7.0), footprint="disc:0.4")
+    found = at_base(HALL, [*team(2), given], 6.0, 4.0)
+    assert found[2] == Configuration(1.0, 7.0, 0.0)
+    assert all(math.dist(start[:2], (6.0, 4.0)) < 1.2 for start in found[:2])
+    # A robot that stands where the base station is keeps its place, too.
+    found = at_base(HALL, [RobotSpec(start=(6.0, 4.0)), *team(2)], 6.0, 4.0)
+    assert all(found[0].distance(start) == pytest.approx(0.75) for start in found[1:])
+
+
+def test_starts_at_the_base_station_are_refused_for_a_reason():
+    with pytest.raises(InvalidInputError, match="at the base station, but there is none"):
+        starts(HALL, team(2), starts="base")
+    with pytest.raises(ClearanceError, match=r"the base station .* is not in the free space"):
+        at_base(HALL, team(2), 12.5, 4.0)
+    with pytest.raises(InvalidInputError, match=r"of the 2 robots, 0 fit at the start"):
+        at_base(HALL, team(2, footprint="disc:5", range_finder=FAR), 6.0, 4.0)
+    with pytest.raises(InvalidInputError, match="which no path through free space connects"):
+        at_base(rooms(), [RobotSpec(start=(22.0, 2.0)), *team(1)], 2.0, 2.0)
 
 
 def test_scattered_robots_spread_out():

@@ -77,6 +77,8 @@ def agree(robot: FrontierRobot, homing: FrontierHoming, following: Place | None)
         text = f"meets robot {pair.partner}, which accepts no rendezvous"
     elif made is not None:
         text += f"; next at {made.due_s:.0f} s (rendezvous {made.number})"
+    elif following is not None:
+        text += "; no time is left for another rendezvous"
     place = None if made is None else made.place
     yield Note(Decided(time_s=robot.time_s, robot=robot.me.robot, text=text, goal=place))
 

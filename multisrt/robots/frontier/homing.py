@@ -320,8 +320,11 @@ class FrontierHoming:
         )
 
     def propose(self, place: Place | None) -> RendezvousMessage:
-        """Return an explorer's proposal for the next rendezvous, by where it goes next."""
-        round_s = 0.0
+        """Return an explorer's proposal for the next rendezvous, by where it goes next.
+
+        It proposes none if there would be no time to deliver after that.
+        """
+        now_s, round_s = self._course.time_s, 0.0
         if place is not None:
             paths = self._home_paths
             lengths_m = paths.length_from(self._course.at[:2]), paths.length_from(place)
@@ -329,9 +332,12 @@ class FrontierHoming:
                 speed_m_s = self._speed_of_slower()
                 travel_s = [self.time.travel_time_s(length, speed_m_s) for length in lengths_m]
                 round_s = sum(travel_s) + self.time.reserve_s
+                end_s = self.pair.next_due_s(now_s, round_s) + travel_s[1] + self.time.reserve_s
+                if end_s > self.time.limit_s:
+                    place = None
         have = self._map.entries.counts()
         self._not_due_s = -math.inf
-        return self.pair.propose(place, self._course.time_s, round_s, have, self._team.number)
+        return self.pair.propose(place, now_s, round_s, have, self._team.number)
 
     def _speed_of_slower(self) -> float:
         """Return the speed of the slower robot of the pair, in metres per second."""

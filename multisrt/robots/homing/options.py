@@ -24,7 +24,7 @@ class HomingOptions(HomeOptions, frozen=True, kw_only=True, forbid_unknown_field
     Attributes
     ----------
     home_period_s : float
-        "relays": minimum time between two meetings of a pair, in seconds.
+        "relays": minimum time from a meeting of a pair to the next that it agrees on, in seconds.
     home_link : float
         "chain": maximum length of a link between two relays, as a share of the radio's range.
     """

@@ -19,8 +19,9 @@ agree on a rendezvous. The states below are those of `Stage`, but for `ALONE`, w
         +------------------+-- met: next rendezvous ---+
 
 A robot is in `UNTIL_DUE` while it explores, or as a relay while it delivers. A relay begins in
-`PLACE`. Where the backup place is the place itself, `BACKUP` is left out. An explorer that is done
-tells its relay so when they meet, and both continue alone for good.
+`PLACE`. Where the backup place is the place itself, `BACKUP` is left out. An explorer that is done,
+or for which the time limit leaves no other rendezvous, tells its relay so when they meet, and both
+continue alone for good.
 
 A pair meets by radio. A relay on its way to the rendezvous that hears its explorer tells it that it
 is ready. A relay that knows no path home explores like any robot, and accepts no data. The explorer
@@ -254,7 +255,7 @@ class Pair:
         Parameters
         ----------
         place : (x, y) or None
-            Where the explorer goes next, in metres; None if it is done.
+            Where the explorer goes next, in metres; None if there is no other rendezvous.
         now_s : float
             Present time in seconds.
         round_s : float
@@ -277,9 +278,13 @@ class Pair:
                 number=self._proposals,
                 place=place,
                 backup=self.rendezvous.place,
-                due_s=now_s + max(self._period_s, round_s),
+                due_s=self.next_due_s(now_s, round_s),
             )
         return RendezvousMessage(sender=sender, rendezvous=self.proposed, have=have)
+
+    def next_due_s(self, now_s: float, round_s: float) -> float:
+        """Return the time of a rendezvous that is agreed on now, in seconds; see `propose`."""
+        return now_s + max(self._period_s, round_s)
 
     def take_acceptance(self, message: RendezvousMessage) -> None:
         """Take the relay's answer; ignore an answer to another proposal."""

@@ -543,6 +543,25 @@ def test_the_relay_brings_home_what_the_explorer_found():
         assert e.goal in [c.goal for c in recording.of(GoalChosen)]
 
 
+@pytest.mark.parametrize("limit_s", [150.0, 200.0, 300.0])
+def test_pairs_agree_on_no_rendezvous_after_which_there_is_no_time(limit_s):
+    recording = pair(limit_s=limit_s)
+    assert recording.footer.outcome == "stalled"
+    metrics = measure(recording, WIDE)
+    assert metrics.delivered_coverage == same(metrics.coverage)
+    agreed = [e for e in recording.of(Decided) if "meets robot 1" in e.text]
+    *earlier, last = agreed
+    assert "no time is left for another rendezvous" in last.text
+    for event in earlier:
+        due_s = float(event.text.split("next at ")[1].split(" s")[0])
+        assert event.goal is not None
+        home_s = (event.goal[0] - 6.0) / 0.5
+        assert due_s + home_s < limit_s
+    # After that neither waits for the other.
+    after = [e.text for e in recording.of(Decided) if e.time_s > last.time_s]
+    assert not any("goes to meet" in text for text in after)
+
+
 def test_a_relay_does_not_stop_its_explorer_for_data_that_the_base_has():
     def meetings(multi_hop: bool) -> int:
         recording = pair(radio=RadioSpec(range_m=70.0, multi_hop=multi_hop))

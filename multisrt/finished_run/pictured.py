@@ -54,6 +54,8 @@ class PicturedRun(MeasuredRun):
     def plot_coverage(self, ax: Axes | None = None, **line: Any) -> Axes:
         """Draw the covered share of the explorable area against time.
 
+        With a base station, a thin line shows the share that it knows.
+
         Parameters
         ----------
         ax : matplotlib.axes.Axes, optional
@@ -84,7 +86,13 @@ class PicturedRun(MeasuredRun):
         from multisrt.drawing.axes import plot_steps
 
         times_s, shares = self._curve["time_s"].values, self._curve["coverage"].values
-        return plot_steps(times_s, shares, ax, **{"label": self.spec.strategy} | line)
+        drawn = {"label": self.spec.strategy} | line
+        axes = plot_steps(times_s, shares, ax, **drawn)
+        if "delivered" in self._curve:
+            covered, label = axes.lines[-1], f"{drawn['label']}, at the base"
+            plot_steps(times_s, self._curve["delivered"].values, axes, **drawn | {"label": label})
+            axes.lines[-1].set(color=covered.get_color(), linewidth=covered.get_linewidth() / 2.0)
+        return axes
 
     def to_svg(self, *, without: Iterable[str] = ()) -> str:
         """Return the picture of the run: its exploration trees or paths, as an SVG document.

@@ -56,6 +56,19 @@ def test_curves_of_several_runs_share_axes(run):
     assert (ax.get_xlabel(), ax.get_ylim()) == ("time (s)", (0.0, 1.02))
 
 
+def test_what_the_base_station_knows_has_a_thin_line():
+    home = explore(
+        "open", strategy="minpos", base=(2.0, 2.0), radio_range_m=3.0, seed=1, max_time_s=20.0
+    )
+    ax = Figure().add_subplot()
+    home.plot_coverage(ax, label="team", lw=3.0)
+    covered, known = ax.lines
+    assert [covered.get_label(), known.get_label()] == ["team", "team, at the base"]
+    assert (covered.get_linewidth(), known.get_linewidth()) == (3.0, 1.5)
+    assert covered.get_color() == known.get_color()
+    assert np.asarray(known.get_ydata())[-1] == home.metrics.delivered_coverage
+
+
 def test_labels_and_limits_of_given_axes_are_kept(run):
     ax = Figure().add_subplot(xlabel="t / s", ylim=(0.5, 1.0))
     run.plot_coverage(ax)

@@ -57,6 +57,9 @@ STARTS: Final[dict[PlacedHow, float]] = {
 }
 """How teams are placed, with weights."""
 
+AT_BASE: Final[dict[PlacedHow, float]] = {"base": 0.4}
+"""The same, if there is a base station."""
+
 
 OnDraw = Callable[[RunSpec | None, int], None]
 """Is told a run that is set up next, None if it is drawn next, and the number of draws before."""
@@ -195,7 +198,7 @@ def candidate(seed: int, number: int, attempt: int) -> RunSpec:
         strategy=name,
         options=draw_options(strategy(name), chance, _tasks(chance, len(robots), radio, base)),
         robots=robots,
-        starts=chance.weighted(STARTS),
+        starts=chance.weighted(STARTS | (AT_BASE if base is not None else {})),
         radio=radio,
         base=base,
         faults=draw_faults(chance, len(robots), max_time_s),

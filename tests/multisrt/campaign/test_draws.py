@@ -75,7 +75,7 @@ def test_all_there_is_is_drawn(candidates):
     assert {robot.range_finder.beams is None for robot in robots} == {True, False}
     assert {robot.start is None for robot in robots} == {True, False}
     assert {spec.radio.walls for spec in candidates} == {"pass", "block", "weaken"}
-    assert {spec.starts for spec in candidates} >= {"scattered", "clustered", "random"}
+    assert {spec.starts for spec in candidates} >= {"scattered", "clustered", "random", "base"}
     assert {spec.base is None for spec in candidates} == {True, False}
     assert {spec.options.get("home") for spec in candidates} >= {"in-time", "chain", "relays"}
     assert any(spec.options.get("pursue") for spec in candidates)

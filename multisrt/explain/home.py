@@ -9,6 +9,7 @@ from multisrt.explain.words import SAME_MOMENT_S, many
 from multisrt.recording import Recording
 from multisrt.robots.homing.contact import is_certain_contact
 from multisrt.robots.robot_self import RadioSelf
+from multisrt.spec import StopRule
 
 
 def delivers(recording: Recording) -> bool:
@@ -47,6 +48,9 @@ def home_lines(recording: Recording, robot: int, time_s: float, things: str) -> 
     }
     lacking = len(known.keys() - at_base)
     yield f"of the {many(len(known), things)} that it knew, the base station lacked {lacking}"
+    limit_s = recording.spec.stop.max_time_s
+    if limit_s < StopRule().max_time_s:
+        yield f"{limit_s - time_s:.0f} s were left of the time limit of {limit_s:g} s"
     if not _has_contact(recording, known):
         yield (
             "it knew no place where the base station is certain to hear it: it explores until it "

@@ -142,7 +142,7 @@ class FrontierHoming:
     @property
     def _goes_if_worth(self) -> bool:
         home = self._options.home
-        return home == "worth" or (home == "relays" and not self.pair.is_paired)
+        return home == "worth" or (home == "relays" and self.pair.lacks_partner)
 
     @property
     def _is_unheard(self) -> bool:

@@ -210,6 +210,11 @@ class Pair:
         return self.role is not Role.ALONE
 
     @property
+    def lacks_partner(self) -> bool:
+        """Whether it has no partner, or presumes it lost; not after they parted for good."""
+        return not self.is_paired and (self.partner is None or self.may_meet)
+
+    @property
     def is_relay(self) -> bool:
         """Whether it is the relay of its pair, even while it explores alone."""
         return self.may_meet and self._paired_role is Role.RELAY

@@ -316,6 +316,16 @@ def test_an_explorer_that_is_done_lets_its_relay_go():
     explorer.take_acceptance(RendezvousMessage(sender=1, rendezvous=None, have=(), accepts=True))
     assert explorer.role is relay.role is Role.ALONE
     assert not relay.take_ready_turn(50.0, 0.5), "they are none again"
+    assert not explorer.lacks_partner
+    assert not relay.lacks_partner
+
+
+def test_robots_of_odd_teams_and_those_that_lost_their_partner_lack_one():
+    assert pair_of(2, team=3).lacks_partner
+    relay = pair_of(1)
+    assert not relay.lacks_partner
+    relay.note_missed()
+    assert relay.lacks_partner
 
 
 def test_a_relay_says_that_it_is_ready_once_a_period_and_on_its_way_out_only():

@@ -204,8 +204,9 @@ def _faults(spec: RunSpec) -> Iterator[Change]:
 def _bases(spec: RunSpec) -> Iterator[Change]:
     if spec.base is not None:
         options = {name: v for name, v in spec.options.items() if name != "home"}
-        yield _with(spec, base=None)
-        yield _with(spec, base=None, options=options)
+        starts = "clustered" if spec.starts == "base" else spec.starts
+        yield _with(spec, base=None, starts=starts)
+        yield _with(spec, base=None, starts=starts, options=options)
 
 
 def _radios(spec: RunSpec) -> Iterator[Change]:

@@ -145,7 +145,7 @@ with --option home=in-time'
     if run.outcome == "out_of_time":
         return (
             f"{said} within the time limit of {spec.stop.max_time_s:g} s, as none found a way "
-            "there in time; allow more with --max-time, or start robots there (--starts base)"
+            f"there in time; allow more with --max-time, or {_remedy(spec)}"
         )
     return f"{said}; they ended before they found a way there"
 
@@ -175,8 +175,15 @@ def _lacking(recording: Recording) -> str:
     lost = [robot for robot in counts if not knows_contact(recording, robot)]
     if not lost:
         return f"{said}: see multisrt why"
-    who = "" if len(lost) == len(counts) else f"{named_robots(lost)} "
+    who = named_robots(lost) if len(lost) < len(counts) else "they" if len(lost) > 1 else "it"
+    others = "" if len(lost) == len(counts) else "; of the others see multisrt why"
     return (
-        f"{said}, as {who or ('they ' if len(counts) > 1 else 'it ')}came to no place where the "
-        "base station is certain to hear a robot; start robots there (--starts base)"
+        f"{said}: {who} knew no place where the base station is certain to hear a robot; "
+        f"{_remedy(recording.spec)}{others}"
     )
+
+
+def _remedy(spec: RunSpec) -> str:
+    if spec.starts == "base":
+        return "move the base station away from walls"
+    return "start robots there (--starts base)"

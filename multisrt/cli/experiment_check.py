@@ -31,6 +31,9 @@ if TYPE_CHECKING:
 MAX_ROWS = 24
 """Upper bound of the rows in the table of conditions; the rest is cut."""
 
+MAX_TRIED = 200
+"""Number of runs of which one must be possible, if none of the first repetition is."""
+
 
 @click.command()
 @click.argument(
@@ -89,10 +92,11 @@ def check(
         plans = len({place_of(run.spec) for run in planned})
         click.echo(f"beside the informed plan: at most {plans} plans, up to a minute each")
     warnings, refused = _poor_starts(planned)
-    if refused.issuperset(everything):
+    if refused.issuperset(everything) and all(map(_is_refused, planned[:MAX_TRIED])):
         _print_conditions(everything, {})
+        tried = "no run" if len(planned) <= MAX_TRIED else f"none of the first {MAX_TRIED} runs"
         reasons = "\n  ".join(_by_reason(warnings))
-        raise InvalidInputError(f"no condition can be run:\n  {reasons}")
+        raise InvalidInputError(f"{tried} can be made:\n  {reasons}")
     found = _estimate(spec, planned, seconds, imports) if seconds else None
     _print_conditions(everything, {} if found is None else found.by_condition_s)
     if found is not None:
@@ -168,6 +172,16 @@ def _starts(spec: RunSpec, world: Environment) -> tuple[Configuration, ...]:
         return starts_of(spec, world)
     # With a base station, its place and the limit of time may be refused as well.
     return set_up(spec, world).starts
+
+
+def _is_refused(run: PlannedRun) -> bool:
+    from multisrt.experiments.mission import world_of
+
+    try:
+        _starts(run.spec, world_of(run.spec.environment))
+    except InvalidInputError:
+        return True
+    return False
 
 
 def _by_reason(warnings: Mapping[Condition, str]) -> Iterator[str]:

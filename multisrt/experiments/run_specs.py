@@ -287,7 +287,7 @@ def _placed(
         raise InvalidInputError("starts are given ('places') or 'drawn', not both")
     if starts.how == "base" and (starts.places or drawn):
         raise InvalidInputError(
-            "starts at the base station are neither given ('places') nor 'drawn': leave that out"
+            "starts of how = 'base' have neither 'places' nor first = 'drawn': leave them out"
         )
     for number, robot in enumerate(robots):
         if robot.start is not None and (starts.places or (drawn and number == 0)):

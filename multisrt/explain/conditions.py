@@ -35,9 +35,11 @@ def conditions(spec: RunSpec, *, repeated: bool = False) -> list[str]:
     """
     robots = spec.robots
     count = len(robots)
-    phrases = ["1 robot"]
+    at_base = spec.starts == "base"
+    phrases = ["1 robot", *["starts at the base"] * at_base]
     if count > 1:
-        phrases = [f"{count} robots", f"{spec.starts} starts", _radio(spec.radio)]
+        starts = "starts at the base" if at_base else f"{spec.starts} starts"
+        phrases = [f"{count} robots", starts, _radio(spec.radio)]
     if spec.base is not None:
         x, y = spec.base.place
         phrases += [] if count > 1 else [_radio(spec.radio)]

@@ -68,6 +68,7 @@ class _OwnStory(ChoiceStory[Decided]):
     def knowledge(self) -> Iterator[str]:
         yield f"its map had {many(self.own_nodes(), 'node')} that it had made"
         yield from self.learned()
+        yield from self.to_deliver()
         yield from self.complete()
 
     def decision(self) -> Iterator[str]:

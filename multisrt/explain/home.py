@@ -47,15 +47,14 @@ def home_lines(recording: Recording, robot: int, time_s: float, things: str) -> 
         for name in event.nodes
     }
     lacking = len(known.keys() - at_base)
-    yield f"of the {many(len(known), things)} that it knew, the base station lacked {lacking}"
+    yield (
+        f"of the {many(len(known), things)} that it knew, the base station in fact lacked {lacking}"
+    )
     limit_s = recording.spec.stop.max_time_s
     if limit_s < StopRule().max_time_s:
         yield f"{limit_s - time_s:.0f} s were left of the time limit of {limit_s:g} s"
     if not _has_contact(recording, known):
-        yield (
-            "it knew no place where the base station is certain to hear it: it explores until it "
-            "finds one"
-        )
+        yield "it knew no place where the base station is certain to hear it"
 
 
 def knows_contact(recording: Recording, robot: int) -> bool:

@@ -89,8 +89,9 @@ class PicturedRun(MeasuredRun):
         drawn = {"label": self.spec.strategy} | line
         axes = plot_steps(times_s, shares, ax, **drawn)
         if "delivered" in self._curve:
-            covered, label = axes.lines[-1], f"{drawn['label']}, at the base"
-            plot_steps(times_s, self._curve["delivered"].values, axes, **drawn | {"label": label})
+            covered = axes.lines[-1]
+            thin = drawn | {"label": f"{drawn['label']}, at the base"} if drawn["label"] else drawn
+            plot_steps(times_s, self._curve["delivered"].values, axes, **thin)
             axes.lines[-1].set(color=covered.get_color(), linewidth=covered.get_linewidth() / 2.0)
         return axes
 

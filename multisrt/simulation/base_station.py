@@ -22,7 +22,7 @@ from multisrt.spec.numbering import numbers_of
 
 AWAY_FROM_WALLS = Footprint.disc(0.25)
 """The body for which a place is suggested to users. A base station has none, but robots have to get
-to it; beside a wall it is hardly ever in a safe region."""
+there; a place beside a wall is hardly ever in a safe region."""
 
 SendMessage = Callable[[Message, int | None], None]
 """Sends a message of the base station to a robot, by its number, or to all."""

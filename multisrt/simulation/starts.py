@@ -21,6 +21,8 @@ from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError, counted
 from multisrt.geometry.numerics.kernel import BoolArray, FloatArray
+from multisrt.geometry.regions.edge_index import EdgeIndex
+from multisrt.geometry.regions.visibility import visibility_polygon
 from multisrt.planners.motion.kinematics import Car
 from multisrt.simulation.base_station import require_free
 from multisrt.simulation.random_streams import RandomStreams
@@ -41,7 +43,11 @@ SUBDIVISION = 3
 """Steps of the lattice of a cluster from one position for a robot to the next."""
 
 ROOM_AT_BASE = 1.01
-"""Room around the center of a team at the base station, as a multiple of what its robots need."""
+"""Room around the middle of a team at the base station, as a multiple of what its robots need, so
+that it is not on the border of where they have room."""
+
+SIGHT_M = 10.0
+"""Maximum distance of the middle of a team from the base station at which it starts, in metres."""
 
 MAX_REASONS = 3
 """Number of suggested starts of which is told why they do not suit a robot."""
@@ -63,7 +69,8 @@ def starts_of(
     with a random heading; or each at such a position where it has room beside the others; or at the
     suggested starts, in their order; or clustered around the first one, which starts like a single
     robot, and in its heading, at the nodes of a hexagonal lattice that are in its sight or have the
-    shortest paths; or so around the base station (the place nearest to it with room for each).
+    shortest paths; or so around the place nearest to the base station, in its sight, with room,
+    in a random heading.
 
     Parameters
     ----------
@@ -105,9 +112,7 @@ def starts_of(
         elif len(footprints) == 1:
             starts[0] = _alone(streams, environment, footprints[0])
         elif spec.starts == "clustered":
-            if not starts:
-                starts[0] = _alone(streams, environment, footprints[0])
-            _cluster(environment, footprints, starts, starts[min(starts)])
+            _gather_at_first(streams, environment, footprints, starts)
         else:
             take = _farthest if spec.starts == "scattered" else _first
             _place(streams, environment, component, footprints, starts, take)
@@ -436,6 +441,22 @@ def _room(environment: Environment, component: Polygon, footprint: Footprint) ->
 # A clustered team ---------------------------------------------------------------------------
 
 
+def _gather_at_first(
+    streams: RandomStreams,
+    environment: Environment,
+    footprints: list[Footprint],
+    starts: dict[int, Configuration],
+) -> None:
+    if not starts:
+        starts[0] = _alone(streams, environment, footprints[0])
+    first = min(starts)
+    waiting = [body for number, body in enumerate(footprints) if number not in starts]
+    radius = max(body.circumscribed_radius_m for body in waiting)
+    # One lattice for all, with room for the largest body beside the first and beside itself.
+    widest = max(radius, footprints[first].circumscribed_radius_m)
+    _cluster(environment, footprints, starts, starts[first], pitch=radius + widest + GAP_M)
+
+
 def _gather_at_base(
     streams: RandomStreams,
     environment: Environment,
@@ -445,16 +466,23 @@ def _gather_at_base(
 ) -> None:
     assert spec.base is not None
     require_free(spec.base, environment)
-    component = environment.component(*spec.base.place)
+    base = spec.base.place
     waiting = [body for number, body in enumerate(footprints) if number not in starts]
-    # A little more room than robots need: the place is not on the border of theirs.
-    room = _roomy(component, ROOM_AT_BASE * max(body.circumscribed_radius_m for body in waiting))
+    radius = max(body.circumscribed_radius_m for body in waiting)
+    # The nearest place in sight of it: the nearest of all may be in the next room.
+    sight, _ = visibility_polygon(EdgeIndex(environment.edges, SIGHT_M / 3.0), *base, SIGHT_M)
+    room = _roomy(environment.component(*base), ROOM_AT_BASE * radius)
+    room = shapely.intersection(room, shapely.make_valid(Polygon(sight)))
     if room.is_empty:
-        raise _does_not_fit(environment, len(starts), len(footprints))
-    line = shapely.shortest_line(room, Point(spec.base.place))
-    x, y = shapely.get_coordinates(line)[0].tolist()
+        raise InvalidInputError(
+            f"the largest body that starts at the base station ({base[0]:g}, {base[1]:g}) of "
+            f"{environment.name!r} has no room in its sight, within {SIGHT_M:g} m: it needs a "
+            f"clearance of {1.1 * radius:.3g} m; move the base station, or take smaller robots"
+        )
+    x, y = shapely.get_coordinates(shapely.shortest_line(room, Point(base)))[0].tolist()
     heading = float(streams.of("starts").uniform(-math.pi, math.pi))
-    _cluster(environment, footprints, starts, Configuration(x, y, heading), spec.base.place)
+    anchor = Configuration(x, y, heading)
+    _cluster(environment, footprints, starts, anchor, pitch=2.0 * radius + GAP_M)
     _common_component(environment, starts)
 
 
@@ -463,24 +491,23 @@ def _cluster(
     footprints: list[Footprint],
     starts: dict[int, Configuration],
     anchor: Configuration,
-    base: tuple[float, float] | None = None,
+    *,
+    pitch: float,
 ) -> None:
-    # Around an anchor, beside the robots that stand already, and beside the base station.
+    # At the anchor and around it, beside the robots that stand already.
     waiting = [number for number in range(len(footprints)) if number not in starts]
     radius = max(footprints[number].circumscribed_radius_m for number in waiting)
-    # One lattice for all, with room for the largest body beside the first and beside itself.
-    first = footprints[min(starts, default=waiting[0])].circumscribed_radius_m
     lattice = _Lattice(
         environment.component(anchor.x, anchor.y),
         anchor,
-        pitch=radius + max(radius, first) + GAP_M,
+        pitch=pitch,
         radius=radius,
         passage=min(footprint.inscribed_radius_m for footprint in footprints),
     )
-    stand = {start[:2]: footprints[n].circumscribed_radius_m for n, start in starts.items()}
-    if base is not None:
-        stand.setdefault(base, 0.0)
-    taken, needed = np.array([*stand]), radius + GAP_M + np.array([*stand.values()])
+    taken = np.array([start[:2] for start in starts.values()]).reshape(-1, 2)
+    needed = np.array(
+        [radius + GAP_M + footprints[number].circumscribed_radius_m for number in starts]
+    )
     places = lattice.nearest(len(waiting), taken, needed)
     if len(places) < len(waiting):
         raise _does_not_fit(environment, len(starts) + len(places), len(footprints))

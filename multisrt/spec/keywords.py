@@ -138,9 +138,9 @@ def require_use(spec: RunSpec, given: Mapping[str, str], size: str, *, sized: bo
             "leave out one of them"
         )
     if spec.base is not None:
-        # A single robot uses its radio, too, and may start there; otherwise starts are for teams.
-        of_teams = set() if spec.starts == "base" else {"starts"}
-        given = {name: text for name, text in given.items() if name in of_teams}
+        # A single robot uses its radio, too, and may start there; other starts are for teams.
+        is_for_teams = "starts" in given and spec.starts != "base"
+        given = {"starts": given["starts"]} if is_for_teams else {}
     if given and not sized and len(spec.robots) == 1:
         name, text = next(iter(given.items()))
         base = "" if name == "starts" else " or a base station"

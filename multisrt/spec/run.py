@@ -21,7 +21,8 @@ from multisrt.spec.robots import RobotSpec
 from multisrt.validation_errors import UNREADABLE, explained
 
 PlacedHow = Literal["scattered", "clustered", "random", "suggested", "base"]
-"""How a team is placed: far apart, close together, at random, or where the map suggests."""
+"""How a team is placed: far apart, close together, at random, where the map suggests, or around the
+base station."""
 
 
 class StopRule(Part, frozen=True, kw_only=True):
@@ -76,8 +77,8 @@ class RunSpec(Part, frozen=True, kw_only=True):
     starts : {"scattered", "clustered", "random", "suggested", "base"}
         How robots without a `start` are placed: far apart, close together, each at a random place,
         at the suggested starts of the environment, or around the base station. A single robot
-        starts at a suggested start if there is one, otherwise at a random place, unless at the base
-        station.
+        starts at a suggested start if there is one, otherwise at a random place; with "base", at
+        the base station.
     radio : RadioSpec
         The radio.
     base : BaseSpec or None
@@ -119,7 +120,7 @@ class RunSpec(Part, frozen=True, kw_only=True):
         if self.seed < 0:
             raise InvalidInputError(f"a seed is 0 or a positive whole number, not {self.seed}")
         if self.starts == "base" and self.base is None:
-            raise InvalidInputError("starts are at the base station, but there is none: give base")
+            raise InvalidInputError("starts='base' needs a base station: give base (--base X,Y)")
         self._check_faults()
 
     def _check_faults(self) -> None:

@@ -194,7 +194,10 @@ def test_own_environments(asked, tmp_path):
         ),
         ({"strategies": "srt-str"}, "(did you mean 'srt-star'?)"),
         ({"environments": "opn"}, "there is no environment 'opn' (did you mean 'open'?)"),
-        ({"starts": "scatered"}, "starts[0]: unknown value 'scatered'; allowed: 'base', 'clustered'"),
+        (
+            {"starts": "scatered"},
+            "starts[0]: unknown value 'scatered'; allowed: 'base', 'clustered'",
+        ),
         ({"radios": 5.0, "robots": 2}, "needs a radio range of at least three times"),
         ({"exclude": [{"robot": 1}]}, "exclude[0]: there is no field 'robot' (did you mean"),
         ({"repetition": 3}, "compare takes no argument 'repetition' (did you mean 'repetitions'?)"),

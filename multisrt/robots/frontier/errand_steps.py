@@ -56,7 +56,7 @@ def agree(robot: FrontierRobot, homing: FrontierHoming, following: Place | None)
     homing : FrontierHoming
         Its part of the pair.
     following : (x, y) or None
-        Where it goes next; None if it is done.
+        Where it goes next; None if it is done. It proposes that place if there is time for it.
     """
     team, pair = robot.team, homing.pair
     team.requests.meet = False

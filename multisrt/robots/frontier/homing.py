@@ -141,8 +141,10 @@ class FrontierHoming:
 
     @property
     def _goes_if_worth(self) -> bool:
-        home = self._options.home
-        return home == "worth" or (home == "relays" and self.pair.lacks_partner)
+        if self._options.home != "relays" or self.pair.is_paired:
+            return self._options.home == "worth"
+        # Those that parted as no time was left for another rendezvous come home in time.
+        return self.pair.lacks_partner or self._has_time_to_meet(self._course.at[:2])
 
     @property
     def _is_unheard(self) -> bool:
@@ -324,20 +326,37 @@ class FrontierHoming:
 
         It proposes none if there would be no time to deliver after that.
         """
-        now_s, round_s = self._course.time_s, 0.0
-        if place is not None:
-            paths = self._home_paths
-            lengths_m = paths.length_from(self._course.at[:2]), paths.length_from(place)
-            if all(map(math.isfinite, lengths_m)):
-                speed_m_s = self._speed_of_slower()
-                travel_s = [self.time.travel_time_s(length, speed_m_s) for length in lengths_m]
-                round_s = sum(travel_s) + self.time.reserve_s
-                end_s = self.pair.next_due_s(now_s, round_s) + travel_s[1] + self.time.reserve_s
-                if end_s > self.time.limit_s:
-                    place = None
+        if place is not None and not self._has_time_to_meet(place):
+            place = None
+        trips_s = None if place is None else self._round_and_back_s(place)
+        round_s = 0.0 if trips_s is None else trips_s[0]
         have = self._map.entries.counts()
         self._not_due_s = -math.inf
-        return self.pair.propose(place, now_s, round_s, have, self._team.number)
+        return self.pair.propose(place, self._course.time_s, round_s, have, self._team.number)
+
+    def _round_and_back_s(self, place: Place) -> tuple[float, float] | None:
+        """Return how long a relay takes from here home and to a place, and back home from there.
+
+        None if no path home is known.
+        """
+        paths, speed_m_s = self._home_paths, self._speed_of_slower()
+        lengths_m = paths.length_from(self._course.at[:2]), paths.length_from(place)
+        if not all(map(math.isfinite, lengths_m)):
+            return None
+        home_s, back_s = (self.time.travel_time_s(length, speed_m_s) for length in lengths_m)
+        return home_s + back_s + self.time.reserve_s, back_s
+
+    def _has_time_to_meet(self, place: Place) -> bool:
+        """Return whether data can be delivered in time after another rendezvous at a place.
+
+        True if no path home is known.
+        """
+        trips_s = self._round_and_back_s(place)
+        if trips_s is None:
+            return True
+        round_s, back_s = trips_s
+        due_s = self.pair.next_due_s(self._course.time_s, round_s)
+        return due_s + back_s + self.time.reserve_s <= self.time.limit_s
 
     def _speed_of_slower(self) -> float:
         """Return the speed of the slower robot of the pair, in metres per second."""

@@ -23,6 +23,11 @@ Robots stop slightly off their goals.
 """
 
 
+def is_certainly_in_range(base: Place, radio: RadioSelf, place: Sequence[float]) -> bool:
+    """Return whether the base station is in radio range of a place, were there no walls."""
+    return math.dist(place[:2], base) <= radio.range_m - RANGE_MARGIN_M
+
+
 def is_certain_contact(
     base: Place, radio: RadioSelf, configuration: Sequence[float], region: FloatArray
 ) -> bool:
@@ -39,7 +44,7 @@ def is_certain_contact(
     region : (n, 2) array
         Corners of its local safe region, in metres.
     """
-    if math.dist(configuration[:2], base) > radio.range_m - RANGE_MARGIN_M:
+    if not is_certainly_in_range(base, radio, configuration):
         return False
     return not radio.walls_matter or inside(region, *base)
 
@@ -90,8 +95,6 @@ class ContactPlaces:
         self.base: Place = me.base
         self.nodes: dict[NodeId, Node] = {}
         self._radio = me.radio
-        self._range_m = me.radio.range_m - RANGE_MARGIN_M
-        self._walls_matter = me.radio.walls_matter
         self._looked_at = 0
 
     def update(self, entries: Entries) -> bool:
@@ -108,9 +111,9 @@ class ContactPlaces:
 
     def is_certain_beside(self, node: Node, place: Place) -> bool:
         """Return whether it is certain to hear a robot at a place beside one of `nodes`."""
-        if math.dist(place, self.base) > self._range_m:
+        if not is_certainly_in_range(self.base, self._radio, place):
             return False
-        return not self._walls_matter or bool(
+        return not self._radio.walls_matter or bool(
             shapely.covers(shapely.Polygon(node.region.boundary), LineString([place, self.base]))
         )
 
@@ -126,7 +129,8 @@ class ContactPlaces:
 
         Always False where walls affect the radio.
         """
-        if self._walls_matter:
+        if self._radio.walls_matter:
             return np.zeros(len(places), np.bool_)
-        near: BoolArray = np.hypot(*(places - self.base).T) <= self._range_m
+        range_m = self._radio.range_m - RANGE_MARGIN_M
+        near: BoolArray = np.hypot(*(places - self.base).T) <= range_m
         return near

@@ -98,7 +98,7 @@ class RendezvousMessage(Message, frozen=True, kw_only=True):
     Attributes
     ----------
     rendezvous : Rendezvous or None
-        The rendezvous; None: the explorer is done, and goes home itself.
+        The rendezvous; None: there is no other one, and both continue alone.
     have : tuple of (robot, nodes, closings)
         What the sender knows: a relay accepts when it knows as much. See `Counts`.
     accepts : bool
@@ -170,7 +170,7 @@ class Pair:
     knows_home : callable
         Relay: returns whether it knows a path to where the base station hears it.
     may_meet : bool
-        Whether the robot has a partner that has not told it that it is done.
+        Whether the robot has a partner, and the two have not parted for good.
 
     Examples
     --------
@@ -322,7 +322,7 @@ class Pair:
         return True
 
     def accept(self, message: RendezvousMessage) -> bool:
-        """Keep a proposed rendezvous, or continue alone if the explorer is done.
+        """Keep a proposed rendezvous, or continue alone if there is none.
 
         Returns
         -------

@@ -182,14 +182,14 @@ def test_robots_that_ended_with_news_are_told():
     assert lacking[0] > 0
     assert lacking[1] == 0
     assert not_delivered(run) == (
-        f"robot 0 did not bring home {lacking[0]} of its scans, as it came to no place where the "
-        "base station is certain to hear a robot; start robots there (--starts base)"
+        f"robot 0 did not bring home {lacking[0]} of its scans: it knew no place where the base "
+        "station is certain to hear a robot; start robots there (--starts base)"
     )
     told = explain(run.recording, 0)
-    assert f"of the {lacking[0]} scans that it knew, the base station lacked {lacking[0]}" in told
+    assert f"of the {lacking[0]} scans that it knew, the base station in fact lacked" in told
     assert "it knew no place where the base station is certain to hear it" in told
     told = explain(run.recording, 1)
-    assert re.search(r"of the \d+ scans that it knew, the base station lacked \d+", told)
+    assert re.search(r"of the \d+ scans that it knew, the base station in fact lacked \d+", told)
     assert "it knew no place" not in told
 
 
@@ -208,6 +208,41 @@ def test_robots_that_were_not_heard_where_they_should_be_are_told():
     assert lacking > 0
     told = f"robot 0 did not bring home {lacking} of its scans: see multisrt why"
     assert not_delivered(run) == told
+
+
+def test_each_robot_has_its_own_reason():
+    # The radio of robot 0 fails beside the base station; robot 1 does not get there.
+    run = ms.explore(
+        BEND,
+        strategy="minpos",
+        starts=[(1.0, 0.6), (1.0, 5.4)],
+        base=(1.0, 0.6),
+        radio_range_m=3.0,
+        max_time_s=60.0,
+        faults=[ms.Silence(robot=0, time_s=5.0, duration_s=100.0)],
+        options=IN_TIME,
+    )
+    lacking = _lacking(run)
+    assert not_delivered(run) == (
+        f"robots 0 and 1 did not bring home {lacking.total()} of their scans: robot 1 knew no "
+        "place where the base station is certain to hear a robot; start robots there (--starts "
+        "base); of the others see multisrt why"
+    )
+
+
+def test_teams_that_started_at_the_base_station_get_other_advice():
+    run = ms.explore(
+        Environment("hall", shapely.box(0, 0, 30, 12)),
+        strategy="srt-radial",
+        robots=2,
+        beams=90,
+        base=(15.1, 0.02),
+        starts="base",
+        radio=ms.RadioSpec(range_m=14.0, walls="block"),
+        max_time_s=60.0,
+        options=IN_TIME,
+    )
+    assert "; move the base station away from walls" in not_delivered(run)
 
 
 def _lacking(run: ms.Run) -> Counter[int]:

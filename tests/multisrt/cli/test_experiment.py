@@ -305,13 +305,25 @@ def test_check_warns_of_impossible_runs(call, folder):
     assert "fit at the start" in warnings[0]
 
 
+def test_check_only_warns_if_another_repetition_can_be_run(call, folder):
+    # The base station is in an obstacle of the forest of seed 0 alone.
+    (folder / "forest.toml").write_text(
+        'name = "forest"\nenvironments = [{ name = "forest", seed = "repetition" }]\n'
+        'strategies = ["minpos"]\nrobots = [2]\nrepetitions = 4\n'
+        "[base]\nx = 1.5\ny = 11.5\n[stop]\nmax_time_s = 3.0\n"
+    )
+    code, _, err = call("check", "forest.toml", "--seconds", "0")
+    assert code == 0
+    assert "the base station (1.5, 11.5) is not in the free space" in err
+
+
 def test_check_refuses_a_base_station_in_a_wall_and_warns_of_too_little_time(call, folder):
     based = SMALL + "\n[base]\nx = 50.0\ny = 1.0\n"
     (folder / "wall.toml").write_text(based)
     code, _, err = call("check", "wall.toml", "--seconds", "0")
     assert code == 2
     first, refusal = err.splitlines()
-    assert first == "error: no condition can be run:"
+    assert first == "error: no run can be made:"
     assert "the base station (50, 1) is not in the free space" in refusal
     assert "the nearest place in free space, 0.25 m from walls, is" in refusal
     home = 'strategies = [{ name = "minpos", options = { home = "in-time" } }, "minpos"]'

@@ -219,7 +219,7 @@ START = 'name = "x"\nenvironments = ["open"]\nstrategies = ["srt-star"]\n'
         (START + "repetitions = 0", "repetitions: Expected a whole number >= 1"),
         (
             START + 'starts = ["scatered"]',
-            "starts[0]: unknown value 'scatered'; allowed: 'base', 'clustered', 'random', 'scattered'",
+            "starts[0]: unknown value 'scatered'; allowed: 'base', 'clustered', 'random'",
         ),
         (
             START + 'radios = [{ range_m = 9, walls = "blok" }]',

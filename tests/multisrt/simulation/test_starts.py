@@ -351,41 +351,54 @@ def at_base(
 
 
 def test_teams_stand_around_the_base_station():
-    found = at_base(HALL, team(18), 6.0, 4.0)
+    found = at_base(HALL, team(19), 6.0, 4.0)
     away = np.sort([math.dist(start[:2], (6.0, 4.0)) for start in found])
-    expected = [0.75] * 6 + [0.75 * math.sqrt(3)] * 6 + [1.5] * 6
+    expected = [0.0] + [0.75] * 6 + [0.75 * math.sqrt(3)] * 6 + [1.5] * 6
     assert away == pytest.approx(expected, abs=1e-9)
     assert len({start.heading for start in found}) == 1
-    # A single robot takes the first of these places, and suggested starts do not matter.
+    # A single robot stands there, and suggested starts do not matter.
     world = Environment("hall", HALL.free, starts=[(1, 1)])
-    assert math.dist(at_base(world, team(1), 6.0, 4.0)[0][:2], (6.0, 4.0)) == pytest.approx(0.75)
+    assert at_base(world, team(1), 6.0, 4.0)[0][:2] == (6.0, 4.0)
+    # A closet has room for one.
+    closet = Environment("closet", shapely.box(0, 0, 0.7, 0.7))
+    assert at_base(closet, team(1), 0.35, 0.35)[0][:2] == (0.35, 0.35)
 
 
 def test_at_a_wall_the_nearest_place_with_room_is_taken():
-    # Robots keep 0.275 m from walls, and half a metre from the base station.
     (start,) = at_base(HALL, team(1), 6.0, 0.01)
-    assert math.dist(start[:2], (6.0, 0.01)) == pytest.approx(0.75, abs=0.2)
-    # Not in the next room, which is as near through the wall.
+    assert start[:2] == pytest.approx((6.0, 1.01 * 0.275))
     found = at_base(rooms(), team(5), 4.9, 0.6)
     assert all(start.x < 5 for start in found)
 
 
+def test_the_nearest_place_behind_a_wall_is_not_taken():
+    # The base station stands in a corridor that is too narrow for the body, beside a hall.
+    narrow = shapely.union_all(
+        [shapely.box(0, 0, 12, 0.5), shapely.box(0, 0.6, 10, 6), shapely.box(11, 0, 12, 6)]
+    )
+    world = Environment("corridor", narrow | shapely.box(10, 5, 11, 6))
+    (start,) = at_base(world, team(1), 6.0, 0.25)
+    assert start.x > 11
+    with pytest.raises(InvalidInputError, match=r"no room in its sight, within 10 m: .* 0\.33 m"):
+        at_base(world, team(1, footprint="disc:0.3"), 1.0, 0.25)
+
+
 def test_given_starts_stay_and_the_others_stand_at_the_base():
-    given = RobotSpec(start=(1.0, 7.0), footprint="disc:0.4")
-    found = at_base(HALL, [*team(2), given], 6.0, 4.0)
-    assert found[2] == Configuration(1.0, 7.0, 0.0)
-    assert all(math.dist(start[:2], (6.0, 4.0)) < 1.2 for start in found[:2])
+    given = RobotSpec(start=(1.0, 7.0), footprint="disc:0.6")
+    found = at_base(HALL, [given, *team(2)], 6.0, 4.0)
+    assert found[0] == Configuration(1.0, 7.0, 0.0)
+    assert [math.dist(start[:2], (6.0, 4.0)) for start in found[1:]] == pytest.approx([0.0, 0.75])
     # A robot that stands where the base station is keeps its place, too.
     found = at_base(HALL, [RobotSpec(start=(6.0, 4.0)), *team(2)], 6.0, 4.0)
     assert all(found[0].distance(start) == pytest.approx(0.75) for start in found[1:])
 
 
 def test_starts_at_the_base_station_are_refused_for_a_reason():
-    with pytest.raises(InvalidInputError, match="at the base station, but there is none"):
+    with pytest.raises(InvalidInputError, match="starts='base' needs a base station"):
         starts(HALL, team(2), starts="base")
     with pytest.raises(ClearanceError, match=r"the base station .* is not in the free space"):
         at_base(HALL, team(2), 12.5, 4.0)
-    with pytest.raises(InvalidInputError, match=r"of the 2 robots, 0 fit at the start"):
+    with pytest.raises(InvalidInputError, match="largest body that starts at the base station"):
         at_base(HALL, team(2, footprint="disc:5", range_finder=FAR), 6.0, 4.0)
     with pytest.raises(InvalidInputError, match="which no path through free space connects"):
         at_base(rooms(), [RobotSpec(start=(22.0, 2.0)), *team(1)], 2.0, 2.0)

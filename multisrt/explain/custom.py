@@ -21,7 +21,11 @@ COLUMN = 12
 
 
 def own_choice_lines(
-    recording: Recording, index: int, choice: Decided, asked_s: float
+    recording: Recording,
+    index: int,
+    choice: Decided,
+    asked_s: float,
+    whole: Recording | None = None,
 ) -> Iterator[str]:
     """Yield the lines that explain one decision, as its explorer recorded it.
 
@@ -35,13 +39,15 @@ def own_choice_lines(
         The decision.
     asked_s : float
         The time that was asked for, in seconds.
+    whole : Recording, optional
+        The run, if `recording` is the part of it from which the choice is explained.
 
     Yields
     ------
     str
         A line of the explanation.
     """
-    return _OwnStory(recording, index, choice, asked_s).lines()
+    return _OwnStory(recording, index, choice, asked_s, whole).lines()
 
 
 def own_lines(recording: Recording, robot: int) -> Iterator[str]:

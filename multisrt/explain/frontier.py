@@ -44,7 +44,11 @@ WIDTH: Final = 11 * (MAX_COLUMNS + 1)
 
 
 def choice_lines(
-    recording: Recording, index: int, choice: GoalChosen, asked_s: float
+    recording: Recording,
+    index: int,
+    choice: GoalChosen,
+    asked_s: float,
+    whole: Recording | None = None,
 ) -> Iterator[str]:
     """Yield the lines that explain one choice of a goal.
 
@@ -58,13 +62,15 @@ def choice_lines(
         The choice.
     asked_s : float
         The time that was asked for, in seconds.
+    whole : Recording, optional
+        The run, if `recording` is the part of it from which the choice is explained.
 
     Yields
     ------
     str
         A line of the explanation.
     """
-    return _BidStory(recording, index, choice, asked_s).lines()
+    return _BidStory(recording, index, choice, asked_s, whole).lines()
 
 
 def bid_lines(recording: Recording, robot: int) -> Iterator[str]:

@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
+from typing import NamedTuple
+from weakref import WeakKeyDictionary
+
+import numpy as np
 
 from multisrt.events import BaseLearned, Learned, NodeAdded, NodeName
 from multisrt.explain.words import SAME_MOMENT_S, many
+from multisrt.geometry.numerics.arrays import FloatArray
 from multisrt.recording import Recording
 from multisrt.robots.homing.contact import is_certain_contact
 from multisrt.robots.robot_self import RadioSelf
@@ -24,7 +30,7 @@ def home_lines(recording: Recording, robot: int, time_s: float, things: str) -> 
     Parameters
     ----------
     recording : Recording
-        The run.
+        The whole run.
     robot : int
         The robot.
     time_s : float
@@ -39,21 +45,15 @@ def home_lines(recording: Recording, robot: int, time_s: float, things: str) -> 
     """
     if not delivers(recording):
         return
-    known = _known(recording, robot, time_s)
-    at_base = {
-        name
-        for event in recording.of(BaseLearned)
-        if event.time_s <= time_s + SAME_MOMENT_S
-        for name in event.nodes
-    }
-    lacking = len(known.keys() - at_base)
-    yield (
-        f"of the {many(len(known), things)} that it knew, the base station in fact lacked {lacking}"
-    )
+    account, until_s = _account(recording, robot), time_s + SAME_MOMENT_S
+    known = account.known_s <= until_s
+    lacking = np.count_nonzero(known & (account.at_base_s > until_s))
+    number = int(np.count_nonzero(known))
+    yield f"of the {many(number, things)} that it knew, the base station in fact lacked {lacking}"
     limit_s = recording.spec.stop.max_time_s
     if limit_s < StopRule().max_time_s:
         yield f"{limit_s - time_s:.0f} s were left of the time limit of {limit_s:g} s"
-    if not _has_contact(recording, known):
+    if account.contact_s > until_s:
         yield "it knew no place where the base station is certain to hear it"
 
 
@@ -67,32 +67,50 @@ def knows_contact(recording: Recording, robot: int) -> bool:
     robot : int
         The robot.
     """
-    return _has_contact(recording, _known(recording, robot, recording.footer.time_s))
+    return math.isfinite(_account(recording, robot).contact_s)
 
 
-def _known(recording: Recording, robot: int, time_s: float) -> dict[NodeName, NodeAdded]:
-    """Return the nodes that a robot had made or learned by a time."""
-    until_s = time_s + SAME_MOMENT_S
-    made = {
-        (node.robot, node.serial): node
-        for node in recording.of(NodeAdded)
-        if node.time_s <= until_s
-    }
-    learned = (
-        name
-        for event in recording.of(Learned)
-        if event.robot == robot and event.time_s <= until_s
-        for name in event.nodes
-    )
-    own = (name for name in made if name[0] == robot)
-    return {name: made[name] for name in (*own, *learned)}
+class _Account(NamedTuple):
+    """When a robot knew each node and the base station did (s, ``inf``: never), and a contact."""
+
+    known_s: FloatArray
+    at_base_s: FloatArray
+    contact_s: float
 
 
-def _has_contact(recording: Recording, nodes: dict[NodeName, NodeAdded]) -> bool:
+_ACCOUNTS: WeakKeyDictionary[Recording, dict[int, _Account]] = WeakKeyDictionary()
+
+
+def _account(recording: Recording, robot: int) -> _Account:
+    accounts = _ACCOUNTS.setdefault(recording, {})
+    if robot not in accounts:
+        accounts[robot] = _account_of(recording, robot)
+    return accounts[robot]
+
+
+def _account_of(recording: Recording, robot: int) -> _Account:
+    nodes = {(node.robot, node.serial): node for node in recording.of(NodeAdded)}
+    known_s = {name: node.time_s for name, node in nodes.items() if node.robot == robot}
+    for event in recording.of(Learned):
+        if event.robot == robot:
+            for name in event.nodes:
+                known_s.setdefault(name, event.time_s)
+    at_base_s: dict[NodeName, float] = {}
+    for learned in recording.of(BaseLearned):
+        for name in learned.nodes:
+            at_base_s.setdefault(name, learned.time_s)
     base, radio = recording.spec.base, recording.spec.radio
     assert base is not None
     sheet = RadioSelf(range_m=radio.reach_m, walls_matter=radio.walls_matter)
-    return any(
-        is_certain_contact(base.place, sheet, node.configuration, recording.region(node))
-        for node in nodes.values()
+    contacts = (
+        time_s
+        for name, time_s in known_s.items()
+        if is_certain_contact(
+            base.place, sheet, nodes[name].configuration, recording.region(nodes[name])
+        )
+    )
+    return _Account(
+        np.array([*known_s.values()], dtype=np.float64),
+        np.array([at_base_s.get(name, math.inf) for name in known_s], dtype=np.float64),
+        min(contacts, default=math.inf),
     )

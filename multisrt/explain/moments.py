@@ -95,7 +95,7 @@ def moments(recording: Recording, robot: int, *, choices_only: bool = False) -> 
     (0.0, 'its last decision was at 0.00 s.')
     """
     if recording.spec.strategy == "informed":
-        yield Moment(0.0, _said(recording, robot, 0.0))
+        yield Moment(0.0, _said(recording, robot, 0.0, recording))
         return
     own = _needed(recording, robot)
     chosen = [event.time_s for event in own if _is_choice(event, robot)]
@@ -110,14 +110,14 @@ def moments(recording: Recording, robot: int, *, choices_only: bool = False) -> 
     last: tuple[str, ...] = ()
     for time_s in sorted({min(time_s, end) for time_s in times}):
         part = parts[bisect_right(chosen, time_s + SAME_MOMENT_S) - 1]
-        lines = _said(part, robot, time_s)
+        lines = _said(part, robot, time_s, recording)
         if lines != last:
             yield Moment(time_s, lines)
         last = lines
 
 
-def _said(recording: Recording, robot: int, time_s: float) -> tuple[str, ...]:
-    first, *others = explain(recording, robot, time_s).splitlines()
+def _said(part: Recording, robot: int, time_s: float, whole: Recording) -> tuple[str, ...]:
+    first, *others = explain(part, robot, time_s, whole=whole).splitlines()
     return first.split(" s: ", 1)[1], *others
 
 

@@ -47,7 +47,13 @@ PURPOSES = {
 }
 
 
-def explain(recording: Recording, robot: int, time_s: float | None = None) -> str:
+def explain(
+    recording: Recording,
+    robot: int,
+    time_s: float | None = None,
+    *,
+    whole: Recording | None = None,
+) -> str:
     """Explain the last decision of a robot by a time.
 
     Parameters
@@ -58,6 +64,8 @@ def explain(recording: Recording, robot: int, time_s: float | None = None) -> st
         The robot, from 0.
     time_s : float, optional
         The time in seconds; by default the end of the run.
+    whole : Recording, optional
+        The run, if `recording` is the part of it from which this decision is explained.
 
     Returns
     -------
@@ -96,11 +104,11 @@ def explain(recording: Recording, robot: int, time_s: float | None = None) -> st
         )
     index, choice = _last_choice(recording.events, robot, asked)
     if isinstance(choice, GoalChosen):
-        lines = choice_lines(recording, index, choice, asked)
+        lines = choice_lines(recording, index, choice, asked, whole)
     elif isinstance(choice, Decided):
-        lines = own_choice_lines(recording, index, choice, asked)
+        lines = own_choice_lines(recording, index, choice, asked, whole)
     else:
-        lines = _Story(recording, index, choice, asked).lines()
+        lines = _Story(recording, index, choice, asked, whole).lines()
     return "\n".join(lines) + "\n"
 
 
@@ -163,8 +171,15 @@ class _Story(ChoiceStory[Decision]):
     things = "node"
     happened = "its last decision was"
 
-    def __init__(self, recording: Recording, index: int, choice: Decision, asked_s: float) -> None:
-        super().__init__(recording, index, choice, asked_s)
+    def __init__(
+        self,
+        recording: Recording,
+        index: int,
+        choice: Decision,
+        asked_s: float,
+        whole: Recording | None = None,
+    ) -> None:
+        super().__init__(recording, index, choice, asked_s, whole)
         self.index, self.events = index, recording.events
         # Motions are recorded when they end, all other events when they happen.
         self.past = [

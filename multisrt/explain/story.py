@@ -44,6 +44,8 @@ class ChoiceStory(ABC, Generic[ChoiceT]):
         The choice.
     asked_s : float
         The time that was asked for, in seconds.
+    whole : Recording, optional
+        The run, if `recording` is the part of it from which the choice is explained.
 
     Attributes
     ----------
@@ -60,9 +62,16 @@ class ChoiceStory(ABC, Generic[ChoiceT]):
     happened: str
     """What the robot last did, as the first line says it with the time."""
 
-    def __init__(self, recording: Recording, index: int, choice: ChoiceT, asked_s: float) -> None:
+    def __init__(
+        self,
+        recording: Recording,
+        index: int,
+        choice: ChoiceT,
+        asked_s: float,
+        whole: Recording | None = None,
+    ) -> None:
         self.choice: ChoiceT = choice
-        self.recording = recording
+        self.whole = recording if whole is None else whole
         self.robot, self.asked_s, self.time_s = choice.robot, asked_s, choice.time_s
         self.team = range(len(recording.spec.robots))
         self.home = str(recording.spec.options.get("home", "never"))
@@ -106,7 +115,7 @@ class ChoiceStory(ABC, Generic[ChoiceT]):
 
     def to_deliver(self) -> Iterator[str]:
         """Describe what it had to deliver, and whether it knew where."""
-        return home_lines(self.recording, self.robot, self.time_s, self.things)
+        return home_lines(self.whole, self.robot, self.time_s, self.things)
 
     def own_nodes(self) -> int:
         """Return how many nodes it had made by then."""

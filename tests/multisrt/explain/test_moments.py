@@ -9,7 +9,7 @@ from shapely import box, union
 
 import multisrt as ms
 from multisrt.environments.environment import Environment
-from multisrt.events import Choice, Decision
+from multisrt.events import Choice, Decision, Learned
 from multisrt.explain.moments import moments
 from multisrt.explain.srt import explain
 from multisrt.explain.terms import CHOICES
@@ -34,6 +34,30 @@ def test_at_any_time_the_last_moment_tells_the_same(run):
     for robot in range(2):
         for time_s in (0.0, *rng.uniform(0.0, run.recording.footer.time_s, 12)):
             assert told(run.recording, robot, time_s) == explain(run.recording, robot, time_s)
+
+
+@pytest.mark.parametrize("strategy", ["srt-radial", "minpos"])
+def test_what_is_to_be_delivered_is_told_from_the_whole_run(strategy):
+    run = ms.explore(
+        "apartment",
+        robots=2,
+        strategy=strategy,
+        seed=1,
+        radio=ms.RadioSpec(range_m=12.5, walls="block"),
+        base=(2.5, 2.0),
+        starts="base",
+        options={"home": "in-time"},
+        max_time_s=60.0,
+    )
+    recording = run.recording
+    assert recording.of(Learned)
+    said = set()
+    for robot in range(2):
+        for moment in moments(recording, robot):
+            text = f"Robot {robot} at {moment.time_s:.2f} s: " + "\n".join(moment.lines) + "\n"
+            assert text == explain(recording, robot, moment.time_s)
+            said |= {line for line in moment.lines if "the base station in fact lacked" in line}
+    assert len(said) > 3
 
 
 @pytest.mark.slow

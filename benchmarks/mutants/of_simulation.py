@@ -88,7 +88,7 @@ MUTANTS: Final = (
         name="radio-through-walls",
         breaks="Walls that block the radio do not.",
         file="simulation/radio.py",
-        old='if self._spec.walls == "pass" or not len(others):',
+        old="if not self._spec.walls_matter or not len(others):",
         new='if self._spec.walls != "weaken" or not len(others):',
     ),
     Mutant(

@@ -163,7 +163,7 @@ def team_isolation(recording: Recording, environment: Environment | None = None)
     ]
     if not (alone or reaches_all):
         tracks = [track_of_legs(track.legs) for track in tracks_of(recording)]
-        if spec.walls != "pass" and environment is None:
+        if spec.walls_matter and environment is None:
             environment = recording.environment()
     changes = [*_switches(present, silent)]
     if reaches_all:

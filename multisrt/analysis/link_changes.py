@@ -62,7 +62,7 @@ def link_changes(
     corners = np.empty((0, 2))
     index = None
     reaches = np.array([math.inf if spec.range_m is None else spec.range_m])
-    if environment is not None and spec.walls != "pass":
+    if environment is not None and spec.walls_matter:
         index = EdgeIndex(environment.edges, (spec.range_m or 12.0) / 3.0)
         corners = np.unique(environment.edges[:, :2], axis=0)  # sorted by x
     if environment is not None and spec.walls == "weaken":

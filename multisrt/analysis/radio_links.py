@@ -58,7 +58,7 @@ def radio_links(
         ways = [track_of_legs(track.legs) for track in tracks(recording)]
         if base is not None:
             ways.append(standing_track(base.place, end))
-        if spec.walls != "pass" and environment is None:
+        if spec.walls_matter and environment is None:
             environment = recording.environment()
         for time, _, i, j in link_changes(spec, ways, environment):
             near[i, j].append(time)

@@ -156,10 +156,10 @@ def _lacking(recording: Recording) -> str:
     Without an option `home` robots bring nothing, and what is lacking is a measure of the run.
     """
     from multisrt.events import BaseLearned, Died, NodeAdded
-    from multisrt.explain.home import knows_contact
+    from multisrt.explain.home import delivers, knows_contact
     from multisrt.robots.naming import named_robots
 
-    if recording.spec.options.get("home", "never") == "never":
+    if not delivers(recording):
         return ""
     known = {tuple(name) for event in recording.of(BaseLearned) for name in event.nodes}
     dead = {event.robot for event in recording.of(Died)}

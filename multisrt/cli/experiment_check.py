@@ -92,7 +92,9 @@ def check(
         plans = len({place_of(run.spec) for run in planned})
         click.echo(f"beside the informed plan: at most {plans} plans, up to a minute each")
     warnings, refused = _poor_starts(planned)
-    if refused.issuperset(everything) and all(map(_is_refused, planned[:MAX_TRIED])):
+    if refused.issuperset(everything) and all(
+        map(_is_refused, planned[len(everything) : MAX_TRIED])
+    ):
         _print_conditions(everything, {})
         tried = "no run" if len(planned) <= MAX_TRIED else f"none of the first {MAX_TRIED} runs"
         reasons = "\n  ".join(_by_reason(warnings))

@@ -36,9 +36,9 @@ def conditions(spec: RunSpec, *, repeated: bool = False) -> list[str]:
     robots = spec.robots
     count = len(robots)
     at_base = spec.starts == "base"
-    phrases = ["1 robot", *["starts at the base"] * at_base]
+    starts = "starts at the base" if at_base else f"{spec.starts} starts"
+    phrases = ["1 robot", *[starts] * at_base]
     if count > 1:
-        starts = "starts at the base" if at_base else f"{spec.starts} starts"
         phrases = [f"{count} robots", starts, _radio(spec.radio)]
     if spec.base is not None:
         x, y = spec.base.place
@@ -64,7 +64,7 @@ def deaths(recording: Recording) -> list[str]:
 
 def _radio(radio: RadioSpec) -> str:
     parts = ["radio unlimited" if radio.range_m is None else f"radio {radio.range_m:g} m"]
-    if radio.walls != "pass":
+    if radio.walls_matter:
         parts.append(f"walls {radio.walls}" + (" it" if radio.walls == "block" else " its signal"))
     if not radio.multi_hop:
         parts.append("no relays")

@@ -165,7 +165,7 @@ class Radio:
         # The others that have a link to the sender.
         distances = np.hypot(*(places[others] - places[sender]).T)
         others = others[distances <= self._range_m]
-        if self._spec.walls == "pass" or not len(others):
+        if not self._spec.walls_matter or not len(others):
             return others
         ends = places[np.minimum(others, sender)], places[np.maximum(others, sender)]
         heard: IntArray = others[links_hold(self._spec, self._index, np.concatenate(ends, axis=1))]
@@ -191,7 +191,7 @@ def links_hold(spec: RadioSpec, index: EdgeIndex | None, lines: FloatArray) -> B
     """
     distances = np.hypot(lines[:, 2] - lines[:, 0], lines[:, 3] - lines[:, 1])
     holds: BoolArray = distances <= spec.reach_m
-    if spec.walls == "pass" or not holds.any():
+    if not spec.walls_matter or not holds.any():
         return holds
     assert index is not None
     walls = _walls_between(index, lines[holds])

@@ -42,6 +42,9 @@ it has room beside them.
 SUBDIVISION = 3
 """Steps of the lattice of a cluster from one position for a robot to the next."""
 
+ROOM = 1.1
+"""Clearance that a placed robot has from walls, as a multiple of its circumscribed radius."""
+
 ROOM_AT_BASE = 1.01
 """Room around the middle of a team at the base station, as a multiple of what its robots need, so
 that it is not on the border of where they have room."""
@@ -335,7 +338,7 @@ def _largest_room(environment: Environment, free: BaseGeometry, footprint: Footp
 
 
 def _roomy(free: BaseGeometry, radius: float) -> BaseGeometry:
-    return free.buffer(-1.1 * radius)
+    return free.buffer(-ROOM * radius)
 
 
 def _drawn_place(area: Polygon, rng: RandomGenerator) -> Configuration:
@@ -450,11 +453,8 @@ def _gather_at_first(
     if not starts:
         starts[0] = _alone(streams, environment, footprints[0])
     first = min(starts)
-    waiting = [body for number, body in enumerate(footprints) if number not in starts]
-    radius = max(body.circumscribed_radius_m for body in waiting)
-    # One lattice for all, with room for the largest body beside the first and beside itself.
-    widest = max(radius, footprints[first].circumscribed_radius_m)
-    _cluster(environment, footprints, starts, starts[first], pitch=radius + widest + GAP_M)
+    beside_m = footprints[first].circumscribed_radius_m
+    _cluster(environment, footprints, starts, starts[first], beside_m=beside_m)
 
 
 def _gather_at_base(
@@ -477,12 +477,12 @@ def _gather_at_base(
         raise InvalidInputError(
             f"the largest body that starts at the base station ({base[0]:g}, {base[1]:g}) of "
             f"{environment.name!r} has no room in its sight, within {SIGHT_M:g} m: it needs a "
-            f"clearance of {1.1 * radius:.3g} m; move the base station, or take smaller robots"
+            f"clearance of {ROOM * radius:.3g} m; move the base station, or take smaller robots"
         )
     x, y = shapely.get_coordinates(shapely.shortest_line(room, Point(base)))[0].tolist()
     heading = float(streams.of("starts").uniform(-math.pi, math.pi))
     anchor = Configuration(x, y, heading)
-    _cluster(environment, footprints, starts, anchor, pitch=2.0 * radius + GAP_M)
+    _cluster(environment, footprints, starts, anchor, beside_m=0.0)
     _common_component(environment, starts)
 
 
@@ -492,15 +492,17 @@ def _cluster(
     starts: dict[int, Configuration],
     anchor: Configuration,
     *,
-    pitch: float,
+    beside_m: float,
 ) -> None:
-    # At the anchor and around it, beside the robots that stand already.
+    # At the anchor and around it, beside the robots that stand already, of which one of this
+    # circumscribed radius may stand at the anchor.
     waiting = [number for number in range(len(footprints)) if number not in starts]
     radius = max(footprints[number].circumscribed_radius_m for number in waiting)
     lattice = _Lattice(
         environment.component(anchor.x, anchor.y),
         anchor,
-        pitch=pitch,
+        # One lattice for all, with room for the largest body beside that one and beside itself.
+        pitch=radius + max(radius, beside_m) + GAP_M,
         radius=radius,
         passage=min(footprint.inscribed_radius_m for footprint in footprints),
     )

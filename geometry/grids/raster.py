@@ -148,27 +148,6 @@ class Raster:
         self._cover(bounds_of(boundary))
         return paint_polygon(boundary, self.x0, self.y0, self.cell_m, self.cells)
 
-    def paint_inside(self, boundary: FloatArray) -> int:
-        """Paint cells as `paint` does, but only those of the window, which does not grow.
-
-        Parameters
-        ----------
-        boundary : (n, 2) array
-            Corners of the polygon in metres; the last is joined to the first.
-
-        Returns
-        -------
-        int
-            Number of cells that were not painted before.
-
-        Raises
-        ------
-        InvalidInputError
-            If a corner is not finite.
-        """
-        refuse_corners(boundary, self.cell_m)
-        return paint_polygon(boundary, self.x0, self.y0, self.cell_m, self.cells)
-
     def centres(self) -> tuple[FloatArray, FloatArray]:
         """Return the coordinates of the cells' centres in metres.
 

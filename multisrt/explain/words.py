@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import groupby
+from operator import itemgetter
 
 from multisrt.events import (
     AnyEvent,
@@ -36,10 +38,15 @@ SAME_MOMENT_S = 1e-6
 
 
 def troubles(events: Iterable[AnyEvent]) -> Iterator[str]:
-    """Yield a line, with the time, for each event of a robot that was not planned."""
-    for event in events:
-        if what := trouble(event):
-            yield f"{event.time_s:.2f} s: {what}"
+    """Yield a line, with the time, for each event of a robot that was not planned.
+
+    Equal events in a row have one line together.
+    """
+    told = ((event.time_s, trouble(event)) for event in events)
+    for what, same in groupby((each for each in told if each[1]), key=itemgetter(1)):
+        times_s = [time_s for time_s, _ in same]
+        often = f" to {times_s[-1]:.2f} s, {len(times_s)} times" if len(times_s) > 1 else " s"
+        yield f"{times_s[0]:.2f}{often}: {what}"
 
 
 def in_words(event: AnyEvent) -> str:

@@ -26,6 +26,7 @@ from multisrt.events import (
     Supports,
 )
 from multisrt.explain.srt import explain, explain_all
+from multisrt.explain.words import troubles
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.recording import Recorder, Recording, header_of
@@ -457,6 +458,19 @@ def test_the_bid_table_marks_row_and_column_and_has_ranks(bidding):
     assert re.search(r"\n    robot 0 +- \(1\) +12\.50 \(1\)\n", table)
     assert re.search(r"\n  > robot 1 +3\.25 \(0\) +4\.75 \(0\)", table)
     assert "not shown" not in table
+
+
+def test_equal_troubles_in_a_row_have_one_line():
+    stops = [
+        Blocked(time_s=at, robot=0, by=by, configuration=(1.0, 2.0, 0.0))
+        for at, by in ((1.0, 1), (2.0, 1), (3.5, 1), (4.0, 2), (5.0, 1))
+    ]
+    ended = Ended(time_s=3.0, robot=0, reason="told", complete=True, frontier=())
+    assert list(troubles([*stops[:2], ended, *stops[2:]])) == [
+        "1.00 to 3.50 s, 3 times: protective stop at (1.00, 2.00), before the body of robot 1",
+        "4.00 s: protective stop at (1.00, 2.00), before the body of robot 2",
+        "5.00 s: protective stop at (1.00, 2.00), before the body of robot 1",
+    ]
 
 
 def test_motions_of_a_bidder_until_its_next_choice_are_listed(bidding):

@@ -88,7 +88,7 @@ NAMED: Final = {FULL: "unlimited", LIMITED: "limited"}
 """What radios are called in the page; tables of runs have their labels."""
 
 PENALTY: Final = 2.0
-"""A run that failed counts with the longest time of its cell times this (PAR-2)."""
+"""A run that failed counts with the longest makespan of its cell times this (PAR-2)."""
 
 FEWEST_SEEDS: Final = 6
 """Minimum number of pairs in a cell for intervals and tests: none of fewer is significant."""
@@ -344,7 +344,7 @@ def page(runs: pd.DataFrame) -> list[str]:
         "- *(best)*: the strategy of the papers with the lowest geometric mean of its cells' "
         "medians, in those repetitions that all of them have.",
         "- A run that failed (not complete, or less than 99 % covered) counts with twice the "
-        "longest time of its cell.",
+        "longest makespan of its cell.",
         "",
     ]
     if TURNING in present:
@@ -524,7 +524,7 @@ def _regrets(runs: pd.DataFrame, names: Sequence[str]) -> list[str]:
 
 
 def _timed(runs: pd.DataFrame, quantity: str) -> pd.DataFrame:
-    """Return the runs, those that failed with `PENALTY` times the longest time of their cell.
+    """Return the runs, those that failed with `PENALTY` times the longest makespan of their cell.
 
     A run fails that is not complete, or covers less than 99 %.
     """

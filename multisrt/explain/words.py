@@ -40,13 +40,13 @@ SAME_MOMENT_S = 1e-6
 def troubles(events: Iterable[AnyEvent]) -> Iterator[str]:
     """Yield a line, with the time, for each event of a robot that was not planned.
 
-    Equal events in a row have one line together.
+    Consecutive events that are the same in words share a line.
     """
     told = ((event.time_s, trouble(event)) for event in events)
-    for what, same in groupby((each for each in told if each[1]), key=itemgetter(1)):
-        times_s = [time_s for time_s, _ in same]
-        often = f" to {times_s[-1]:.2f} s, {len(times_s)} times" if len(times_s) > 1 else " s"
-        yield f"{times_s[0]:.2f}{often}: {what}"
+    for what, alike in groupby((each for each in told if each[1]), key=itemgetter(1)):
+        first_s, *others_s = (time_s for time_s, _ in alike)
+        until = f" to {others_s[-1]:.2f} s, {1 + len(others_s)} times" if others_s else " s"
+        yield f"{first_s:.2f}{until}: {what}"
 
 
 def in_words(event: AnyEvent) -> str:

@@ -248,9 +248,7 @@ def _links(
     members = robots + len(stations)
     if spec.reaches_everywhere or members < 2:
         return
-    index = (
-        None if not spec.walls_matter else EdgeIndex(environment.edges, (spec.range_m or 12) / 3)
-    )
+    index = EdgeIndex(environment.edges, (spec.range_m or 12) / 3) if spec.walls_matter else None
     changes, done = list(_bodies(recording)), 0
     works = np.ones(members, np.bool_)
     one, two = np.triu_indices(members, 1)

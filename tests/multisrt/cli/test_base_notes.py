@@ -194,16 +194,7 @@ def test_robots_that_ended_with_news_are_told():
 
 
 def test_robots_that_were_not_heard_where_they_should_be_are_told():
-    run = ms.explore(
-        BEND,
-        strategy="minpos",
-        starts=[(1.0, 0.6)],
-        base=(1.0, 0.6),
-        radio_range_m=1.5,
-        max_time_s=60.0,
-        faults=[ms.Silence(robot=0, time_s=5.0, duration_s=100.0)],
-        options=IN_TIME,
-    )
+    run = _falls_silent([(1.0, 0.6)], radio_range_m=1.5)
     lacking = _lacking(run)[0]
     assert lacking > 0
     told = f"robot 0 did not bring home {lacking} of its scans: see multisrt why"
@@ -212,16 +203,7 @@ def test_robots_that_were_not_heard_where_they_should_be_are_told():
 
 def test_each_robot_has_its_own_reason():
     # The radio of robot 0 fails beside the base station; robot 1 does not get there.
-    run = ms.explore(
-        BEND,
-        strategy="minpos",
-        starts=[(1.0, 0.6), (1.0, 5.4)],
-        base=(1.0, 0.6),
-        radio_range_m=3.0,
-        max_time_s=60.0,
-        faults=[ms.Silence(robot=0, time_s=5.0, duration_s=100.0)],
-        options=IN_TIME,
-    )
+    run = _falls_silent([(1.0, 0.6), (1.0, 5.4)], radio_range_m=3.0)
     lacking = _lacking(run)
     assert not_delivered(run) == (
         f"robots 0 and 1 did not bring home {lacking.total()} of their scans: robot 1 knew no "
@@ -243,6 +225,19 @@ def test_teams_that_started_at_the_base_station_get_other_advice():
         options=IN_TIME,
     )
     assert "; move the base station away from walls" in not_delivered(run)
+
+
+def _falls_silent(starts: list[tuple[float, float]], radio_range_m: float) -> ms.Run:
+    return ms.explore(
+        BEND,
+        strategy="minpos",
+        starts=starts,
+        base=(1.0, 0.6),
+        radio_range_m=radio_range_m,
+        max_time_s=60.0,
+        faults=[ms.Silence(robot=0, time_s=5.0, duration_s=100.0)],
+        options=IN_TIME,
+    )
 
 
 def _lacking(run: ms.Run) -> Counter[int]:

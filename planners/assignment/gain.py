@@ -44,6 +44,7 @@ def gain(
     range_m: float,
     power: float = 4.0,
     offset_m: float = 0.5,
+    overlap_ranges: float = 1.0,
 ) -> GainChoice:
     """Choose the target of the highest value for one robot, after those that come before it.
 
@@ -59,12 +60,14 @@ def gain(
     robot : int
         Row of the robot that chooses.
     range_m : float
-        Distance in metres at and beyond which a target that is taken no longer reduces the area of
-        another.
+        Range of the range finder in metres.
     power : float
         Exponent of the cost in the denominator of the value.
     offset_m : float
         Length in metres added to every cost, so that near targets are compared by their areas.
+    overlap_ranges : float
+        Distance, in ranges, at and beyond which a target that is taken no longer reduces the area
+        of another. Areas seen from two places overlap up to 2.
 
     Returns
     -------
@@ -83,7 +86,7 @@ def gain(
     taken a target, its paths to the others lead over that one, and cost accordingly, by the
     Euclidean distances from one to the next. So a robot leaves targets on the route of another to
     that one. A target that is taken reduces, for all other robots, the area of each other target by
-    the factor ``min(1, d / range_m)`` with d the distance between the two.
+    the factor ``min(1, d / (overlap_ranges * range_m))`` with d the distance between the two.
 
     A robot to which the others leave nothing shares a target: in a second auction, each robot takes
     one target only, and targets may be taken again.
@@ -105,8 +108,8 @@ def gain(
     """
     costs, cost_of = costs if isinstance(costs, LazyCosts) else (costs, None)
     table, left, euclidean = checked_tables(costs, areas, distances, robot)
-    check_positive(range_m=range_m, power=power, offset_m=offset_m)
-    parameters = ValueParameters(range_m, power, offset_m)
+    parameters = ValueParameters(range_m, power, offset_m, overlap_ranges)
+    check_positive(**parameters._asdict())
     for goes_on in (True, False):
         auction = Auction(table, left, euclidean, parameters, robot, cost_of)
         rounds = _taken(auction, euclidean, robot, goes_on=goes_on)
@@ -121,17 +124,20 @@ class ValueParameters(NamedTuple):
     Attributes
     ----------
     range_m : float
-        Distance in metres at and beyond which a target that is taken no longer reduces the area of
-        another.
+        Range of the range finder in metres.
     power : float
         Exponent of the cost in the denominator of the value.
     offset_m : float
         Length in metres added to every cost.
+    overlap_ranges : float
+        Distance, in ranges, at and beyond which a target that is taken no longer reduces the area
+        of another.
     """
 
     range_m: float
     power: float = 4.0
     offset_m: float = 0.5
+    overlap_ranges: float = 1.0
 
 
 def checked_tables(
@@ -210,6 +216,7 @@ class Auction:
         cost_of: CostOf | None = None,
     ) -> None:
         self._distances, self._parameters, self._cost_of = distances, parameters, cost_of
+        self._overlap_m = parameters.overlap_ranges * parameters.range_m
         self._costs, self._is_open = costs.copy(), np.isfinite(costs)
         self._weights = self._weights_of(costs)
         self._is_bound = np.full(costs.shape, cost_of is not None)
@@ -240,7 +247,7 @@ class Auction:
         taker, target = divmod(int(np.argmin(costs)), values.shape[1])
         found = taker, target, float(left[taker, target]), float(values[taker, target])
         kept = left[taker].copy()
-        left *= np.minimum(1.0, self._distances[target] / self._parameters.range_m)
+        left *= np.minimum(1.0, self._distances[target] / self._overlap_m)
         left[taker] = kept
         return found
 

@@ -57,6 +57,7 @@ def choose_gain(robot: FrontierRobot, because: str) -> Choice:
             costs.row,
             range_m=robot.me.range_m,
             power=options.power,
+            overlap_ranges=options.overlap_ranges,
         )
         chosen = _among_all(among_reached, reached)
     rounds = tuple((costs.robots[i], *rest) for i, *rest in chosen.rounds)
@@ -75,7 +76,9 @@ def _on_tours(
 ) -> GainChoice:
     """Choose by tours among the frontiers of the highest values; choose none if others take all."""
     options = cast(GainOptions, robot.options)
-    parameters = ValueParameters(robot.me.range_m, options.power)
+    parameters = ValueParameters(
+        robot.me.range_m, options.power, overlap_ranges=options.overlap_ranges
+    )
     weights = libm.power(bounds[costs.row] + parameters.offset_m, -parameters.power)
     return_m2 = return_area_m2(robot, costs)
     values = (areas + return_m2) * weights

@@ -259,6 +259,9 @@ class GainOptions(PathCostOptions, frozen=True, kw_only=True, forbid_unknown_fie
         Area in square metres that stands for the way back to a frontier that is left behind; it is
         added to the area beyond each. If every message reaches every robot, it is divided by the
         number of robots that the choice takes into account.
+    overlap_ranges : float
+        Distance from which a frontier that is taken leaves the area of another as it is, in ranges
+        of the range finder. Areas seen from two places overlap up to 2.
     tour_weight : float
         Weight of the length of the tour over the frontiers that are left, against the way to the
         first of them. With 0 robots go to the frontier of the highest value that others leave
@@ -267,11 +270,13 @@ class GainOptions(PathCostOptions, frozen=True, kw_only=True, forbid_unknown_fie
 
     power: float = 4.0
     return_area_m2: float = 5.0
+    overlap_ranges: float = 1.0
     tour_weight: float = 2.0
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        self.require("power", 0.0 < self.power < math.inf, "positive")
+        for name in ("power", "overlap_ranges"):
+            self.require(name, 0.0 < getattr(self, name) < math.inf, "positive")
         for name in ("return_area_m2", "tour_weight"):
             self.require(name, 0.0 <= getattr(self, name) < math.inf, "0 or more")
 

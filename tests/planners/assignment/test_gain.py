@@ -10,7 +10,7 @@ from multisrt.planners.assignment.gain import GainChoice, gain
 INF = np.inf
 
 
-def naive(costs, areas, distances, range_m, power, offset_m, goes_on):
+def naive(costs, areas, distances, overlap_m, power, offset_m, goes_on):
     # The notes of `gain` with loops: which robot takes which target, in order.
     robots, targets = range(len(costs)), range(len(areas))
     left = [list(areas) for _ in robots]
@@ -30,7 +30,7 @@ def naive(costs, areas, distances, range_m, power, offset_m, goes_on):
         taken.append((-i, -j))
         for other in robots:
             if other != -i:
-                near = [min(1.0, distances[-j][k] / range_m) for k in targets]
+                near = [min(1.0, distances[-j][k] / overlap_m) for k in targets]
                 left[other] = [one * share for one, share in zip(left[other], near, strict=True)]
         if goes_on:
             onward = [distances[-j][k] for k in targets]
@@ -117,13 +117,28 @@ def test_a_robot_that_is_left_nothing_shares_a_target():
     assert second.rounds[1:] == pytest.approx(np.array([(1, 1, 2.5, 2.5 / 10.5**4)]))
 
 
-@given(situations(), st.sampled_from([1.0, 2.0, 4.0]), st.sampled_from([0.5, 2.0]))
-def test_targets_are_taken_in_order_of_value(situation, power, offset_m):
+@given(
+    situations(),
+    st.sampled_from([1.0, 2.0, 4.0]),
+    st.sampled_from([0.5, 2.0]),
+    st.sampled_from([0.5, 1.0, 2.0]),
+)
+def test_targets_are_taken_in_order_of_value(situation, power, offset_m, overlap_ranges):
     costs, areas, distances = situation
     tables = costs.tolist(), areas.tolist(), distances.tolist()
-    on, once = (naive(*tables, 4.0, power, offset_m, goes_on=goes_on) for goes_on in (True, False))
+    overlap_m = overlap_ranges * 4.0
+    on, once = (
+        naive(*tables, overlap_m, power, offset_m, goes_on=goes_on) for goes_on in (True, False)
+    )
     for robot, chosen in enumerate(
-        choices(costs, areas, distances, power=power, offset_m=offset_m)
+        choices(
+            costs,
+            areas,
+            distances,
+            power=power,
+            offset_m=offset_m,
+            overlap_ranges=overlap_ranges,
+        )
     ):
         # All robots see the same order, up to their own turn: equal knowledge, equal plans.
         taken = on if any(pair[0] == robot for pair in on) else once
@@ -143,6 +158,7 @@ def test_targets_are_taken_in_order_of_value(situation, power, offset_m):
         ({"robot": 1}, "robot"),
         ({"range_m": 0.0}, "range_m is 0.0; it must be positive"),
         ({"power": INF}, "power is inf"),
+        ({"overlap_ranges": 0.0}, "overlap_ranges is 0.0"),
         ({"offset_m": -1.0}, "offset_m is -1.0"),
     ],
 )

@@ -9,19 +9,21 @@ from itertools import pairwise
 
 import numpy as np
 import shapely
-from bidding import CELL_M, ROBOTS, SCANS, frontiers, ground, paths_from, scene
+from bidding import CELL_M, ROBOTS, SCANS, centres, frontiers, ground, paths_from, scene
 from setting import RANGE_M, region_at
 from sketch import Sketch
 
 from multisrt.geometry.grids.distance_field import DistanceField
 from multisrt.geometry.grids.grid_path import shortest_path
-from multisrt.geometry.grids.occupancy import OCCUPIED
+from multisrt.geometry.grids.occupancy import FREE, OCCUPIED
+from multisrt.geometry.grids.rooms import room_around
 from multisrt.geometry.grids.unknown_area import unknown_areas
 from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.planners.assignment.gain import GainChoice, ValueParameters
 from multisrt.planners.assignment.gain_tours import gain_on_tours
 from multisrt.planners.assignment.team_routes import team_routes
 from multisrt.planners.relay_chain import Place, relay_places
+from multisrt.robots.frontier.own_room import DOORWAY_M
 
 BASE = (0.8, 5.0)
 LINK_M = 4.0
@@ -106,6 +108,26 @@ def by_gain() -> str:
     return sketch.svg()
 
 
+def rooms() -> str:
+    """Draw the parts of the map that doorways divide."""
+    sketch = ground("GAIN: rooms are parts of a robot's map that doorways divide")
+    raster = scene().raster
+    left, number = raster.cells == FREE, 0
+    while left.any():
+        row, column = np.argwhere(left)[0].tolist()
+        room = room_around(raster.cells, row, column, doorway_cells=DOORWAY_M / CELL_M)
+        left[row, column] = False
+        if room is not None:
+            left &= ~room.cells
+            sketch.cells(centres(raster, room.cells), CELL_M, f"a{number % 8}")
+            sketch.cells(centres(raster, room.inner), CELL_M, f"a{number % 8}")
+            number += 1
+    frontiers(sketch)
+    sketch.sample("cell", "frontiers")
+    sketch.sample("a0", "a room; its inner line keeps off walls and doorways")
+    return sketch.svg()
+
+
 def draw_route(sketch: Sketch, robot: int, stops: Sequence[int]) -> None:
     """Draw the path of a robot through some targets, dashed from the first on."""
     _, between = paths_between()
@@ -168,4 +190,10 @@ def chain() -> str:
     return sketch.svg()
 
 
-FIGURES = {"gain-areas": in_sight, "gain": by_gain, "routes": by_routes, "chain": chain}
+FIGURES = {
+    "gain-areas": in_sight,
+    "gain": by_gain,
+    "gain-rooms": rooms,
+    "routes": by_routes,
+    "chain": chain,
+}

@@ -108,8 +108,8 @@ def gain(
     """
     costs, cost_of = costs if isinstance(costs, LazyCosts) else (costs, None)
     table, left, euclidean = checked_tables(costs, areas, distances, robot)
-    parameters = ValueParameters(range_m, power, offset_m, overlap_ranges)
-    check_positive(**parameters._asdict())
+    parameters = ValueParameters(range_m, power, offset_m, overlap_ranges, return_area_m2=0.0)
+    parameters.check()
     for goes_on in (True, False):
         auction = Auction(table, left, euclidean, parameters, robot, cost_of)
         rounds = _taken(auction, euclidean, robot, goes_on=goes_on)
@@ -132,12 +132,24 @@ class ValueParameters(NamedTuple):
     overlap_ranges : float
         Distance, in ranges, at and beyond which a target that is taken no longer reduces the area
         of another.
+    return_area_m2 : float
+        Area in square metres added to every area, for the path back to a target that is left
+        behind.
     """
 
     range_m: float
     power: float = 4.0
     offset_m: float = 0.5
     overlap_ranges: float = 1.0
+    return_area_m2: float = 5.0
+
+    def check(self) -> None:
+        """Raise `InvalidInputError` if a parameter is out of its range."""
+        values = self._asdict()
+        area_m2 = values.pop("return_area_m2")
+        check_positive(**values)
+        if not 0.0 <= area_m2 < math.inf:
+            raise InvalidInputError(f"return_area_m2 is {area_m2}; it must be 0 or more")
 
 
 def checked_tables(
@@ -195,7 +207,7 @@ class Auction:
         Cost of each robot to each target in metres; ``inf`` where there is no path. With
         `cost_of`, those of the other robots are lower bounds.
     areas : (m,) array
-        Area of each target in square metres.
+        Area that would be seen at each target in square metres.
     distances : (m, m) array
         Euclidean distances between targets in metres.
     parameters : ValueParameters
@@ -221,7 +233,7 @@ class Auction:
         self._weights = self._weights_of(costs)
         self._is_bound = np.full(costs.shape, cost_of is not None)
         self._is_bound[robot] = False
-        self._left = np.tile(areas, (len(costs), 1))
+        self._left = np.tile(areas + parameters.return_area_m2, (len(costs), 1))
 
     def _weights_of(self, costs: ArrayLike) -> FloatArray:
         """Return the values of a square metre at some costs."""

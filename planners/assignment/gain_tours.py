@@ -46,8 +46,8 @@ def gain_on_tours(
     robot: int,
     *,
     parameters: ValueParameters,
-    return_area_m2: float = 5.0,
     tour_weight: float = 2.0,
+    preferred: ArrayLike | None = None,
 ) -> GainChoice:
     """Choose a target for one robot by its value and by the tour of the others that it begins.
 
@@ -64,12 +64,11 @@ def gain_on_tours(
     robot : int
         Row of the robot that chooses.
     parameters : ValueParameters
-        Parameters of the values, as in `gain`.
-    return_area_m2 : float
-        Area in square metres added to every area, for the path back to a target that is left
-        behind.
+        Parameters of the values, as in `gain`, and the area added to every area.
     tour_weight : float
         Weight of the length of the tour against the cost of its first target.
+    preferred : (m,) array of bool, optional
+        Targets before all others: if the robot takes some of them, its tour is one of these.
 
     Returns
     -------
@@ -117,12 +116,16 @@ def gain_on_tours(
         raise InvalidInputError(
             "path_lengths has an infinite entry; give targets that paths connect"
         )
-    check_positive(**parameters._asdict(), tour_weight=tour_weight)
-    if not 0.0 <= return_area_m2 < math.inf:
-        raise InvalidInputError(f"return_area_m2 is {return_area_m2}; it must be 0 or more")
+    parameters.check()
+    check_positive(tour_weight=tour_weight)
+    first = np.zeros(len(beyond), np.bool_) if preferred is None else np.asarray(preferred)
+    if first.shape != beyond.shape or first.dtype != np.bool_:
+        raise InvalidInputError(
+            f"preferred is {first.dtype} of shape {first.shape}; "
+            f"it must be bool of shape {beyond.shape}"
+        )
 
-    worth = beyond + return_area_m2
-    auction = Auction(table, worth, euclidean, parameters, robot, cost_of)
+    auction = Auction(table, beyond, euclidean, parameters, robot, cost_of)
     rounds: list[tuple[int, int, float, float]] = []
     while auction.is_open_to(robot):
         rounds.append(auction.next_round())
@@ -131,7 +134,10 @@ def gain_on_tours(
     own = np.array([target for taker, target, _, _ in rounds if taker == robot], np.int64)
     if not len(own):
         return GainChoice(choice=None, rounds=())
+    if first[own].any():
+        own = own[first[own]]
 
+    worth = beyond + parameters.return_area_m2
     disc_m2 = math.pi * parameters.range_m**2
     factors = libm.power(disc_m2 / np.maximum(worth[own], MIN_AREA_M2), 1.0 / parameters.power)
     scores = (table[robot, own] + parameters.offset_m) * factors

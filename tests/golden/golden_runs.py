@@ -134,6 +134,13 @@ RUNS = {
     "gain bad radio, robot dies": _spec(
         ROOMS, "gain", *[HOLONOMIC] * 3, radio=BAD_RADIO, faults=(Death(robot=0, time_s=12.0),)
     ),
+    "gain rooms and routes": _spec(
+        ROOMS,
+        "gain",
+        *[ROBOT] * 3,
+        starts="clustered",
+        options={"room_m2": 30.0, "routes_below_m2": 10.0},
+    ),
     "routes team": _spec(OFFICE, "routes", *[ROBOT] * 3, starts="clustered"),
     "routes bad radio, robot dies": _spec(
         ROOMS, "routes", *[HOLONOMIC] * 3, radio=BAD_RADIO, faults=(Death(robot=0, time_s=12.0),)

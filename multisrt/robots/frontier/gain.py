@@ -10,6 +10,9 @@ frontiers that are taken reduce the areas of others near them (`planners.assignm
 robot computes this for itself, for all robots that it takes into account. Of the frontiers that it
 takes, a robot goes first to one from which its tour of the others is short
 (`planners.assignment.gain_tours`), and it does not leave a goal for a small advantage.
+
+As options, a robot finishes a room before it leaves it (`own_room`), and chooses by the routes of
+the whole team (`routes`) as soon as no large area is in sight.
 """
 
 from __future__ import annotations
@@ -18,14 +21,16 @@ from typing import Final, cast
 
 import numpy as np
 
-from multisrt.geometry.grids.unknown_area import unknown_areas
 from multisrt.geometry.numerics import libm
 from multisrt.geometry.numerics.arrays import FloatArray, IntArray
 from multisrt.planners.assignment.gain import GainChoice, LazyCosts, ValueParameters, gain
-from multisrt.planners.assignment.gain_tours import gain_on_tours
+from multisrt.planners.assignment.gain_tours import SEARCH_M_PER_M2, gain_on_tours
+from multisrt.robots.frontier.areas import areas_beyond
 from multisrt.robots.frontier.options import GainOptions
+from multisrt.robots.frontier.own_room import are_in_own_room
 from multisrt.robots.frontier.path_costs import PathCosts, lengths_among
 from multisrt.robots.frontier.robot import FrontierRobot
+from multisrt.robots.frontier.routes import first_stop
 from multisrt.robots.frontier.utility import euclidean_distances
 from multisrt.robots.frontier.wavefront_costs import WavefrontCosts
 from multisrt.robots.frontier.wavefront_rules import Choice, settle_on
@@ -40,8 +45,10 @@ def choose_gain(robot: FrontierRobot, because: str) -> Choice:
     costs = WavefrontCosts(robot, every=True)
     if not costs.is_choosable.any():
         return (yield from settle_on(robot, costs.table(), None, "gain", because))
-    path_costs = PathCosts(robot, costs)
     areas = areas_beyond(robot, costs.targets)
+    if areas[costs.is_choosable].max() < options.routes_below_m2:
+        return (yield from first_stop(robot, because, costs, SEARCH_M_PER_M2))
+    path_costs = PathCosts(robot, costs)
     bounds = path_costs.bounds()
     # Others with a path to one of these have paths to all of them.
     reached = np.flatnonzero(np.isfinite(bounds[costs.row]))
@@ -77,11 +84,13 @@ def _on_tours(
     """Choose by tours among the frontiers of the highest values; choose none if others take all."""
     options = cast(GainOptions, robot.options)
     parameters = ValueParameters(
-        robot.me.range_m, options.power, overlap_ranges=options.overlap_ranges
+        robot.me.range_m,
+        options.power,
+        overlap_ranges=options.overlap_ranges,
+        return_area_m2=return_area_m2(robot, costs),
     )
     weights = libm.power(bounds[costs.row] + parameters.offset_m, -parameters.power)
-    return_m2 = return_area_m2(robot, costs)
-    values = (areas + return_m2) * weights
+    values = (areas + parameters.return_area_m2) * weights
     near = np.sort(reached[np.argsort(-values[reached], kind="stable")[:MAX_TARGETS]])
     targets = costs.targets[near]
     distances = euclidean_distances(targets, targets)
@@ -92,8 +101,8 @@ def _on_tours(
         lengths_among(robot, targets, costs.costs[costs.row, near], distances),
         costs.row,
         parameters=parameters,
-        return_area_m2=return_m2,
         tour_weight=options.tour_weight,
+        preferred=are_in_own_room(robot, targets, options.room_m2) if options.room_m2 else None,
     )
     return _among_all(chosen, near)
 
@@ -119,11 +128,3 @@ def _among_all(chosen: GainChoice, some: IntArray) -> GainChoice:
         choice=None if chosen.choice is None else int(some[chosen.choice]),
         rounds=tuple((i, int(some[j]), area, value) for i, j, area, value in chosen.rounds),
     )
-
-
-def areas_beyond(robot: FrontierRobot, targets: FloatArray) -> FloatArray:
-    """Return the unknown areas that would be seen from targets, ``(m,)`` square metres."""
-    cell_m = robot.raster.cell_m
-    cells = unknown_areas(robot.raster.cells, robot.indices_of(targets), robot.me.range_m / cell_m)
-    areas: FloatArray = cells * cell_m**2
-    return areas

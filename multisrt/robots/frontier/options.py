@@ -266,19 +266,30 @@ class GainOptions(PathCostOptions, frozen=True, kw_only=True, forbid_unknown_fie
         Weight of the length of the tour over the frontiers that are left, against the way to the
         first of them. With 0 robots go to the frontier of the highest value that others leave
         them.
+    room_m2 : float
+        A robot in a room goes to the frontiers that it takes there before all others. A room is
+        a part of its map that doorways of at most 1.4 m divide from the rest, of at most this known
+        area in square metres; with 0 there are none.
+    routes_below_m2 : float
+        Robots choose as by `routes` while no frontier has this unknown area in sight, in square
+        metres; with 0 they never do.
     """
 
     power: float = 4.0
     return_area_m2: float = 5.0
     overlap_ranges: float = 1.0
     tour_weight: float = 2.0
+    room_m2: float = 0.0
+    routes_below_m2: float = 0.0
 
     def __post_init__(self) -> None:
         super().__post_init__()
         for name in ("power", "overlap_ranges"):
             self.require(name, 0.0 < getattr(self, name) < math.inf, "positive")
-        for name in ("return_area_m2", "tour_weight"):
+        for name in ("return_area_m2", "tour_weight", "room_m2", "routes_below_m2"):
             self.require(name, 0.0 <= getattr(self, name) < math.inf, "0 or more")
+        has_tours = self.tour_weight > 0.0
+        self.require("room_m2", has_tours or not self.room_m2, "0 without tours (tour_weight)")
 
 
 class RoutesOptions(PathCostOptions, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -18,7 +18,7 @@ import numpy as np
 
 from multisrt.geometry.numerics.arrays import FloatArray, IntArray
 from multisrt.planners.assignment.team_routes import team_routes
-from multisrt.robots.frontier.gain import areas_beyond
+from multisrt.robots.frontier.areas import areas_beyond
 from multisrt.robots.frontier.options import RoutesOptions
 from multisrt.robots.frontier.path_costs import PathCosts, lengths_among, present_goals
 from multisrt.robots.frontier.robot import FrontierRobot
@@ -36,13 +36,20 @@ def choose_routes(robot: FrontierRobot, because: str) -> Choice:
     costs = WavefrontCosts(robot, every=True)
     if not costs.is_choosable.any():
         return (yield from settle_on(robot, costs.table(), None, "routes", because))
+    return (yield from first_stop(robot, because, costs, options.search_m_per_m2))
+
+
+def first_stop(
+    robot: FrontierRobot, because: str, costs: WavefrontCosts, search_m_per_m2: float
+) -> Choice:
+    """Choose the first stop of the robot's own route, where it can choose at all."""
     path_costs = PathCosts(robot, costs).all_costs()
     near = _nearest(costs)
     path_costs = path_costs[:, near]
     targets = costs.targets[near]
     goals = present_goals(robot, costs.robots, costs.targets)[:, near]
     areas = areas_beyond(robot, targets)
-    service = options.search_m_per_m2 * areas
+    service = search_m_per_m2 * areas
     path_lengths = lengths_among(
         robot, targets, costs.costs[costs.row, near], euclidean_distances(targets, targets)
     )

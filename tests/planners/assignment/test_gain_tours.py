@@ -68,13 +68,31 @@ def test_a_robot_to_which_nothing_is_left_has_no_choice():
 
 
 def test_targets_worth_nothing_can_be_chosen():
-    assert chosen([0.0], [3.0], [0.0], return_area_m2=0.0).choice == 0
+    assert (
+        chosen([0.0], [3.0], [0.0], parameters=ValueParameters(4.0, return_area_m2=0.0)).choice == 0
+    )
 
 
 def test_only_the_best_targets_are_stops():
     # One more than there are stops; the farthest one is left out.
     targets = [float(k) for k in range(1, MAX_STOPS + 2)]
     assert chosen([0.0], targets, [1.0] * len(targets)).choice == 0
+
+
+def test_preferred_targets_come_first():
+    # By value and tour it is the target at 2 m; of those beyond 10 m the nearer one.
+    targets, areas = [2.0, 12.0, 15.0], [9.0] * 3
+    preferred = np.array([False, True, True])
+    assert chosen([0.0], targets, areas).choice == 0
+    assert chosen([0.0], targets, areas, preferred=preferred).choice == 1
+    assert chosen([0.0], targets, areas, preferred=~preferred).choice == 0
+
+
+def test_preferred_targets_that_others_take_are_left_to_them():
+    targets, areas = [2.0, 12.0], [9.0] * 2
+    preferred = np.array([False, True])
+    assert chosen([0.0, 13.0], targets, areas, preferred=preferred).choice == 0
+    assert chosen([0.0, 13.0], targets, areas, 1, preferred=preferred).choice == 1
 
 
 @pytest.mark.parametrize(
@@ -84,7 +102,9 @@ def test_only_the_best_targets_are_stops():
         ({"areas": [1.0]}, "areas has the shape"),
         ({"tour_weight": 0.0}, "tour_weight is 0.0; it must be positive"),
         ({"parameters": ValueParameters(0.0)}, "range_m is 0.0"),
-        ({"return_area_m2": -1.0}, "return_area_m2 is -1.0; it must be 0 or more"),
+        ({"parameters": ValueParameters(4.0, return_area_m2=-1.0)}, "return_area_m2 is -1.0; it"),
+        ({"preferred": np.array([True])}, "preferred is bool of shape"),
+        ({"preferred": np.array([0, 1])}, "preferred is int64 of shape"),
     ],
 )
 def test_bad_values_are_refused(changes, message):

@@ -13,7 +13,9 @@ from multisrt.environments.environment import Environment
 from multisrt.events import GoalChosen
 from multisrt.explain.srt import explain
 from multisrt.geometry.grids.occupancy import UNKNOWN
-from multisrt.robots.frontier.gain import areas_beyond, return_area_m2
+from multisrt.robots.frontier import gain
+from multisrt.robots.frontier.areas import areas_beyond
+from multisrt.robots.frontier.gain import return_area_m2
 from multisrt.robots.frontier.options import GainOptions
 from multisrt.robots.robot_self import RadioSelf
 
@@ -50,6 +52,11 @@ def test_robots_that_always_hear_each_other_share_the_return_area(radio, area_m2
 def explored(**changes: Any) -> ms.Run:
     given: dict[str, Any] = {"strategy": "gain", "robots": 3, "seed": 2, "starts": "clustered"}
     return ms.explore(HALLS, **(given | changes))
+
+
+def goals(run: ms.Run) -> list[GoalChosen]:
+    events = run.recording.events
+    return [e for e in events if isinstance(e, GoalChosen) and e.goal is not None]
 
 
 @pytest.fixture(scope="module")
@@ -125,8 +132,50 @@ def test_robots_without_radio_explore_alone():
         ("turn_m_per_rad", math.inf),
         ("keep_m", -1.0),
         ("tour_weight", -1.0),
+        ("room_m2", math.nan),
+        ("routes_below_m2", -1.0),
     ],
 )
 def test_bad_options_are_refused(name, value):
     with pytest.raises(ms.InvalidInputError, match=f"{name} is"):
         GainOptions(**{name: value})
+
+
+def test_below_an_area_in_sight_robots_choose_by_routes(run):
+    always = explored(options={"routes_below_m2": 1000.0, "keep_m": 2.0})
+    assert goals(always) == goals(explored(strategy="routes"))
+    rules = [e.rule for e in goals(explored(options={"routes_below_m2": 29.0}))]
+    assert set(rules) == {"gain", "routes"}
+    assert rules[0] == "gain"
+
+
+def test_a_robot_finishes_its_room_first(monkeypatch):
+    asked = []
+
+    def are_on_the_right(_, targets, room_m2):
+        asked.append(room_m2)
+        return targets[:, 0] > 9.0
+
+    monkeypatch.setattr(gain, "are_in_own_room", are_on_the_right)
+    choices = goals(explored(robots=1, options={"room_m2": 12.0}))
+    assert set(asked) == {12.0}
+    turn = next(k for k, e in enumerate(choices) if max(x for x, _ in e.frontiers) > 9.0)
+    for choice in choices[turn:]:
+        on_the_right = [x for x, _ in choice.frontiers if x > 9.0]
+        assert choice.goal is not None
+        assert choice.goal[0] > 9.0 or not on_the_right
+
+
+@pytest.mark.parametrize("options", [{"room_m2": 30.0}, {"room_m2": 30.0, "routes_below_m2": 25.0}])
+def test_teams_finish_rooms_first(options):
+    found = ms.explore("rooms", strategy="gain", robots=3, seed=2, options=options)
+    assert found.metrics.outcome == "complete"
+    assert found.metrics.coverage > 0.99
+    assert found.metrics.collisions == 0
+    usual = ms.explore("rooms", strategy="gain", robots=3, seed=2)
+    assert found.recording.events != usual.recording.events
+
+
+def test_rooms_need_tours():
+    with pytest.raises(ms.InvalidInputError, match="0 without tours"):
+        GainOptions(room_m2=30.0, tour_weight=0.0)

@@ -365,7 +365,8 @@ def _named(strategies: tuple[str, ...]) -> list[str]:
     if twice := {name for name in names if names.count(name) > 1}:
         raise click.BadParameter(
             f"the strategy {min(twice)} is given twice; FILE.py:CLASS=OTHER gives one of your own "
-            "another name",
+            "another name, and an experiment compares one with other options ('multisrt "
+            "experiment')",
             param_hint="--strategy",
         )
     return names

@@ -131,7 +131,11 @@ def _said(error: click.ClickException) -> str:
         return f"{_named(error)}: {message}"
     if found := re.fullmatch(r"Got unexpected extra arguments? \((.*)\)", message):
         spaced = re.match(r"-?\.?\d", found[1])
-        meant = "; write X,Y without a space" if spaced else _meant_strategy(found[1], error)
+        meant = (
+            "; write X,Y and KEY=VALUE without a space"
+            if spaced
+            else _meant_strategy(found[1], error)
+        )
         return f"too many words: {found[1]}{meant}"
     return message
 

@@ -149,9 +149,18 @@ def options_of(texts: Iterable[str]) -> dict[str, Any]:
     Raises
     ------
     click.BadParameter
-        If a text is not KEY=VALUE.
+        If a text is not KEY=VALUE, or a key is given twice.
     """
-    return dict(_key_and_value(text, "--option") for text in texts)
+    given: dict[str, Any] = {}
+    for text in texts:
+        key, value = _key_and_value(text, "--option")
+        if key in given:
+            raise click.BadParameter(
+                f"{key} is given twice, as {given[key]} and {value}; give it once",
+                param_hint="--option",
+            )
+        given[key] = value
+    return given
 
 
 def parameters_of(texts: Iterable[str]) -> dict[str, Any]:

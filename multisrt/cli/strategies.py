@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
-
 import click
 
 from multisrt.cli import candidates
@@ -55,26 +53,21 @@ def strategies(words: tuple[str, ...]) -> None:
             click.echo(f"{broken}: could not be loaded ({reason})", err=True)
         click.echo(f"next: multisrt strategies {EXAMPLE}  (the options of one)")
         return
-    import msgspec
-
     from multisrt.experiments.schema import documented_attributes
+    from multisrt.robots.strategy import own_first
     from multisrt.validation_errors import allowed_words, written
 
     chosen = named_strategy(name)
     click.echo(f"{chosen.name}: {chosen.summary}")
-    if not msgspec.structs.fields(chosen.options):
+    if not own_first(chosen.options):
         click.echo("it has no options")
         return
     listed = table("option", "default", "description")
     meanings: dict[str, str] = {}
-    defined: dict[str, int] = {}
-    for depth, kind in enumerate(reversed(chosen.options.__mro__)):
-        defined |= dict.fromkeys(inspect.get_annotations(kind), depth)
+    for kind in reversed(chosen.options.__mro__):
         for option, meaning in documented_attributes(kind.__doc__ or "").items():
             meanings[option] = _whole(meaning, meanings.get(option, ""))
-    # What the strategy adds or changes, before what it inherits.
-    fields = msgspec.structs.fields(chosen.options)
-    for field in sorted(fields, key=lambda field: -defined[field.name]):
+    for field in own_first(chosen.options):
         meaning = meanings.get(field.name, "")
         values = allowed_words(field.type)
         if set(values) - set(PLAIN):

@@ -89,6 +89,11 @@ class _BidStory(ChoiceStory[GoalChosen]):
 
     happened = "it last chose a goal"
 
+    @property
+    def routes_below_m2(self) -> float:
+        """Area in sight below which robots choose by routes, where that is an option."""
+        return float(self.whole.spec.options.get("routes_below_m2", 0.0))
+
     def sections(self) -> Iterator[tuple[str, Iterator[str]]]:
         yield "Where it stood", self.standing()
         yield "What it knew", self.knowledge()
@@ -125,6 +130,8 @@ class _BidStory(ChoiceStory[GoalChosen]):
     def rule(self) -> Iterator[str]:
         choice = self.choice
         yield RULES.get(choice.rule, choice.rule)
+        if self.routes_below_m2 and choice.rule == "routes":
+            yield f"as no frontier has {self.routes_below_m2:g} m2 of unknown area in sight"
         if choice.rule == "closest" and choice.frontiers:
             yield "only the path to the nearest frontier is computed"
         yield from self._tables()
@@ -223,8 +230,9 @@ class _BidStory(ChoiceStory[GoalChosen]):
         if len(rounds) > MAX_ROWS:
             yield f"and {many(len(rounds) - MAX_ROWS, 'more round')}"
         own = [target for robot, target, *_ in rounds if robot == self.robot]
-        if self.choice.rule == "gain" and len(own) > 1:
-            yield f"by value and tour length, frontier {own[-1]} is the first stop of its tour"
+        if self.choice.rule in ("gain", "room") and len(own) > 1:
+            tour = "tour there" if self.choice.rule == "room" else "tour"
+            yield f"by value and tour length, frontier {own[-1]} is the first stop of its {tour}"
 
     def _routes(self) -> Iterator[str]:
         if self.choice.goal is None:
@@ -254,7 +262,7 @@ class _BidStory(ChoiceStory[GoalChosen]):
 
     def _terms(self, worth: float, share: float) -> str:
         match self.choice.rule:
-            case "gain":
+            case "gain" | "room":
                 return f"{worth:.1f} m2, value {share:.3g}"
             case "utility":
                 return f"utility {worth:.2f}, {share:.2f} of the longest path"

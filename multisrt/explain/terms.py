@@ -90,6 +90,7 @@ RULES: Final[dict[str, str]] = {
     "minpos": "the frontier to which the fewest robots are nearer, and of these the nearest",
     "utility": "a leader assigns frontiers by their utility less the path length",
     "gain": "the largest area to be seen for its cost, after the robots of higher values",
+    "room": "of the frontiers in its room, the largest area to be seen for its cost",
     "routes": "the first stop of its own route, of routes planned for the whole team",
     "self-bidding": "the bids of all robots, matched for the least sum",
     "rules": "the unexplored cell with the best score",

@@ -251,7 +251,7 @@ def _boxes(
         axes.set_ylim(y - 0.6, -0.7)
         axes.tick_params(axis="y", length=0)
         axes.grid(False, axis="y")
-        axes.set_xlabel(textwrap.fill(measure.heading, 48))
+        axes.set_xlabel(textwrap.fill(measure.heading, 32))
         headline(axes, where)
         if measure.lower_is_better and axes.get_xlim()[0] > 0.0:
             axes.set_xlim(left=0.0)

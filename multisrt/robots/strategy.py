@@ -242,7 +242,7 @@ class Strategy:
         ...
         multisrt.geometry.errors.InvalidInputError: srt-star has no option 'cone' ...
         """
-        known = {field.name: field for field in msgspec.structs.fields(self.options)}
+        known = {field.name: field for field in own_first(self.options)}
         for key in options:
             if key not in known:
                 raise InvalidInputError(
@@ -272,6 +272,21 @@ class Strategy:
             f"it has {len(known)}, such as {', '.join(known[:MAX_OPTIONS])}; 'multisrt strategies "
             f"{self.name}' lists them"
         )
+
+
+def own_first(options: type[msgspec.Struct]) -> list[msgspec.structs.FieldInfo]:
+    """Return the fields of options: those that a class adds or changes before what it inherits.
+
+    Examples
+    --------
+    >>> from multisrt.robots.frontier.options import GainOptions
+    >>> [field.name for field in own_first(GainOptions)][:2]
+    ['power', 'return_area_m2']
+    """
+    depths: dict[str, int] = {}
+    for depth, kind in enumerate(reversed(options.__mro__)):
+        depths |= dict.fromkeys(inspect.get_annotations(kind), depth)
+    return sorted(msgspec.structs.fields(options), key=lambda field: -depths[field.name])
 
 
 def _none_read(value: object, kind: Any) -> object:

@@ -103,7 +103,7 @@ def _wrong(run: JudgedRun, noted: GoalChosen) -> str | None:
             return _wrong_in_rounds(choice)
         case "self-bidding" if noted.bids:
             return _wrong_by_bids(choice)
-        case "gain" if noted.rounds:
+        case "gain" | "room" if noted.rounds:
             return _wrong_gain(choice)
         case "routes" if noted.rounds:
             return _wrong_routes(choice)

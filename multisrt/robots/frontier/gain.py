@@ -52,9 +52,9 @@ def choose_gain(robot: FrontierRobot, because: str) -> Choice:
     bounds = path_costs.bounds()
     # Others with a path to one of these have paths to all of them.
     reached = np.flatnonzero(np.isfinite(bounds[costs.row]))
-    chosen = GainChoice(choice=None, rounds=())
+    rule, chosen = "gain", GainChoice(choice=None, rounds=())
     if options.tour_weight > 0.0:
-        chosen = _on_tours(robot, costs, path_costs, areas, bounds, reached)
+        rule, chosen = _on_tours(robot, costs, path_costs, areas, bounds, reached)
     if chosen.choice is None:
         targets = costs.targets[reached]
         among_reached = gain(
@@ -68,9 +68,7 @@ def choose_gain(robot: FrontierRobot, because: str) -> Choice:
         )
         chosen = _among_all(among_reached, reached)
     rounds = tuple((costs.robots[i], *rest) for i, *rest in chosen.rounds)
-    return (
-        yield from settle_on(robot, costs.table(), chosen.choice, "gain", because, rounds=rounds)
-    )
+    return (yield from settle_on(robot, costs.table(), chosen.choice, rule, because, rounds=rounds))
 
 
 def _on_tours(
@@ -80,8 +78,16 @@ def _on_tours(
     areas: FloatArray,
     bounds: FloatArray,
     reached: IntArray,
-) -> GainChoice:
-    """Choose by tours among the frontiers of the highest values; choose none if others take all."""
+) -> tuple[str, GainChoice]:
+    """Choose by tours among the frontiers of the highest values; choose none if others take all.
+
+    Returns
+    -------
+    rule : {"gain", "room"}
+        "room" if the robot is in a room and goes to one of the frontiers that it took there.
+    chosen : GainChoice
+        What it chooses.
+    """
     options = cast(GainOptions, robot.options)
     parameters = ValueParameters(
         robot.me.range_m,
@@ -94,6 +100,7 @@ def _on_tours(
     near = np.sort(reached[np.argsort(-values[reached], kind="stable")[:MAX_TARGETS]])
     targets = costs.targets[near]
     distances = euclidean_distances(targets, targets)
+    in_room = are_in_own_room(robot, targets, options.room_m2) if options.room_m2 else None
     chosen = gain_on_tours(
         _costs_of(path_costs, bounds, near),
         areas[near],
@@ -102,9 +109,10 @@ def _on_tours(
         costs.row,
         parameters=parameters,
         tour_weight=options.tour_weight,
-        preferred=are_in_own_room(robot, targets, options.room_m2) if options.room_m2 else None,
+        preferred=in_room,
     )
-    return _among_all(chosen, near)
+    is_inside = in_room is not None and chosen.choice is not None and in_room[chosen.choice]
+    return "room" if is_inside else "gain", _among_all(chosen, near)
 
 
 def return_area_m2(robot: FrontierRobot, costs: WavefrontCosts) -> float:

@@ -269,7 +269,7 @@ class GainOptions(PathCostOptions, frozen=True, kw_only=True, forbid_unknown_fie
     room_m2 : float
         A robot in a room goes to the frontiers that it takes there before all others. A room is
         a part of its map that doorways of at most 1.4 m divide from the rest, of at most this known
-        area in square metres; with 0 there are none.
+        area in square metres, such as 30; with 0 there are none.
     routes_below_m2 : float
         Robots choose as by `routes` while no frontier has this unknown area in sight, in square
         metres; with 0 they never do.

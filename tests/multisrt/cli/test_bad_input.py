@@ -96,6 +96,11 @@ def bad_worlds(folder: Path) -> None:
         (["room.wkt", "--option", "alpha=much"], "alpha"),
         (["room.wkt", "--option", "alpha=7"], "alpha"),
         (["room.wkt", "--option", "cones=2"], "cones"),
+        (
+            ["room.wkt", "--option", "cones=8", "--option", "cones=9"],
+            "--option: cones is given twice, as 8 and 9; give it once",
+        ),
+        (["room.wkt", "--option", "cones", "8"], "too many words: 8; write X,Y and KEY=VALUE"),
         (["room.wkt", "--drive", "dubins", "--turning-radius", "0"], "--turning-radius"),
         (["room.wkt", "--robots", "0"], "at least one robot"),
         (["room.wkt", "--robots", "3", "--start", "1,1", "--start", "2,2"], "2 starts for 3"),

@@ -144,9 +144,13 @@ def test_bad_options_are_refused(name, value):
 def test_below_an_area_in_sight_robots_choose_by_routes(run):
     always = explored(options={"routes_below_m2": 1000.0, "keep_m": 2.0})
     assert goals(always) == goals(explored(strategy="routes"))
-    rules = [e.rule for e in goals(explored(options={"routes_below_m2": 29.0}))]
+    later = explored(options={"routes_below_m2": 29.0})
+    rules = [e.rule for e in goals(later)]
     assert set(rules) == {"gain", "routes"}
     assert rules[0] == "gain"
+    choice = next(e for e in goals(later) if e.rule == "routes")
+    text = explain(later.recording, choice.robot, choice.time_s)
+    assert "as no frontier has 29 m2 of unknown area in sight" in text
 
 
 def test_a_robot_finishes_its_room_first(monkeypatch):
@@ -157,13 +161,20 @@ def test_a_robot_finishes_its_room_first(monkeypatch):
         return targets[:, 0] > 9.0
 
     monkeypatch.setattr(gain, "are_in_own_room", are_on_the_right)
-    choices = goals(explored(robots=1, options={"room_m2": 12.0}))
+    run = explored(robots=1, options={"room_m2": 12.0})
+    choices = goals(run)
     assert set(asked) == {12.0}
     turn = next(k for k, e in enumerate(choices) if max(x for x, _ in e.frontiers) > 9.0)
     for choice in choices[turn:]:
         on_the_right = [x for x, _ in choice.frontiers if x > 9.0]
         assert choice.goal is not None
         assert choice.goal[0] > 9.0 or not on_the_right
+        assert choice.rule == ("room" if on_the_right else "gain")
+    several = next(e for e in choices if e.rule == "room" and len(e.rounds) > 1)
+    text = explain(run.recording, 0, several.time_s)
+    assert "How it chose: room" in text
+    assert "of the frontiers in its room, the largest area to be seen for its cost" in text
+    assert f"frontier {several.rounds[-1][1]} is the first stop of its tour there" in text
 
 
 @pytest.mark.parametrize("options", [{"room_m2": 30.0}, {"room_m2": 30.0, "routes_below_m2": 25.0}])

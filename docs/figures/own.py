@@ -110,21 +110,23 @@ def by_gain() -> str:
 
 def rooms() -> str:
     """Draw the parts of the map that doorways divide."""
-    sketch = ground("GAIN: rooms are parts of a robot's map that doorways divide")
+    sketch = ground("GAIN: parts of a robot's map that doorways divide; small ones are rooms")
     raster = scene().raster
+    doorway_cells = round(DOORWAY_M / CELL_M, 6)
     left, number = raster.cells == FREE, 0
     while left.any():
         row, column = np.argwhere(left)[0].tolist()
-        room = room_around(raster.cells, row, column, doorway_cells=DOORWAY_M / CELL_M)
+        room = room_around(raster.cells, row, column, doorway_cells=doorway_cells)
         left[row, column] = False
         if room is not None:
             left &= ~room.cells
             sketch.cells(centres(raster, room.cells), CELL_M, f"a{number % 8}")
-            sketch.cells(centres(raster, room.inner), CELL_M, f"a{number % 8}")
+            sketch.cells(centres(raster, room.cells & ~room.inner), CELL_M, "a7")
             number += 1
     frontiers(sketch)
     sketch.sample("cell", "frontiers")
-    sketch.sample("a0", "a room; its inner line keeps off walls and doorways")
+    sketch.sample("a7", "doorways")
+    sketch.sample("a0", "a part of the map")
     return sketch.svg()
 
 

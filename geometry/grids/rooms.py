@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -18,9 +19,9 @@ class Room(NamedTuple):
     Attributes
     ----------
     cells : (rows, columns) array of bool
-        Its cells.
+        Its cells, with its share of each doorway.
     inner : (rows, columns) array of bool
-        Those of its cells that are in no doorway and not near a surface.
+        Those of its cells that are in no doorway.
     """
 
     cells: BoolArray
@@ -37,18 +38,21 @@ def room_around(states: ByteArray, row: int, column: int, *, doorway_cells: floa
     row, column : int
         The cell.
     doorway_cells : float
-        Half the width of the widest doorway, in widths of a cell.
+        Width of the widest doorway, in widths of a cell.
 
     Returns
     -------
     Room or None
-        None if the cell is not free, or no wide place is reached from it.
+        None if the cell is not free, or no place wider than a doorway is reached from it.
 
     Notes
     -----
-    The free cells farther than `doorway_cells` from every occupied cell fall into parts that are
-    connected across the sides of cells. Parts of fewer than ``2 doorway_cells**2`` cells are left
+    The free cells farther than ``doorway_cells / 2`` from every occupied cell fall into parts that
+    are connected across the sides of cells. Parts smaller than half a square of that width are left
     out. Every other free cell belongs to the part from which it is reached first over free cells.
+    One of these is in a doorway if the line from the occupied cell nearest to it, through the cell,
+    meets another occupied cell within the width of a doorway and one cell more, as there is half a
+    cell on either side.
 
     Examples
     --------
@@ -56,22 +60,50 @@ def room_around(states: ByteArray, row: int, column: int, *, doorway_cells: floa
 
     >>> states = np.full((11, 21), OCCUPIED, np.uint8)
     >>> states[1:10, 1:10] = states[1:10, 11:20] = states[4:7, 10] = FREE
-    >>> room = room_around(states, 2, 3, doorway_cells=2.5)
+    >>> room = room_around(states, 2, 3, doorway_cells=5.0)
     >>> int(room.cells.sum()), int(room.inner.sum())
-    (84, 26)
+    (84, 81)
     """
-    free = states == FREE
+    free, is_clear = states == FREE, states != OCCUPIED
     if not free[row, column]:
         return None
-    is_clear = states != OCCUPIED
-    # Without occupied cells scipy has no distances to give.
-    gaps = np.inf if is_clear.all() else ndimage.distance_transform_edt(is_clear)
-    parts, count = ndimage.label(free & (gaps > doorway_cells))
-    is_small = np.bincount(parts.ravel(), minlength=count + 1) < 2.0 * doorway_cells**2
-    inner = np.where(is_small[parts], 0, parts).astype(np.int32)
-    whole = _spread(free, inner)
+    if is_clear.all():  # there is no distance to nothing
+        parts, is_doorway = free.astype(np.int32), np.zeros_like(free)
+    else:
+        gaps, nearest = ndimage.distance_transform_edt(is_clear, return_indices=True)
+        is_wide = gaps > 0.5 * doorway_cells
+        parts, count = ndimage.label(free & is_wide)
+        is_small = np.bincount(parts.ravel(), minlength=count + 1) < 0.5 * doorway_cells**2
+        parts = np.where(is_small[parts], 0, parts).astype(np.int32)
+        is_doorway = _doorways(is_clear, free & ~is_wide, nearest, doorway_cells + 1.0)
+    whole = _spread(free, parts)
     own = whole[row, column]
-    return Room(whole == own, inner == own) if own else None
+    return Room(whole == own, (whole == own) & ~is_doorway) if own else None
+
+
+@kernel
+def _doorways(
+    is_clear: BoolArray, is_narrow: BoolArray, nearest: Int32Array, width_cells: float
+) -> BoolArray:
+    # Whether the line from the occupied cell nearest to a narrow cell, through that, meets another
+    # occupied cell at most this far from the first one.
+    rows, columns = is_narrow.shape
+    found = np.zeros(is_narrow.shape, np.bool_)
+    for r in range(rows):
+        for c in range(columns):
+            if not is_narrow[r, c]:
+                continue
+            below, right = r - nearest[0, r, c], c - nearest[1, r, c]
+            gap = math.hypot(below, right)
+            for step in range(math.ceil(gap), math.floor(width_cells) + 1):
+                i = nearest[0, r, c] + round(step * below / gap)
+                j = nearest[1, r, c] + round(step * right / gap)
+                if i < 0 or j < 0 or i >= rows or j >= columns:
+                    break
+                if not is_clear[i, j]:
+                    found[r, c] = True
+                    break
+    return found
 
 
 @kernel

@@ -11,39 +11,43 @@ from multisrt.geometry.grids.rooms import room_around
 from multisrt.geometry.numerics.arrays import BoolArray, FloatArray
 from multisrt.robots.frontier.robot import FrontierRobot
 
-DOORWAY_M: Final = 0.7
-"""Half the width of the widest doorway in metres."""
+DOORWAY_M: Final = 1.4
+"""Width of the widest doorway in metres."""
 
 SPAN_M: Final = 10.0
-"""How far from the robot the map is looked at, in metres."""
+"""How far from the robot, along either axis, a room may reach, in metres."""
 
 
 def are_in_own_room(robot: FrontierRobot, targets: FloatArray, room_m2: float) -> BoolArray:
-    """Return which targets are inside the room that a robot is in.
+    """Return which targets are in the room that a robot is in.
 
     Parameters
     ----------
     robot : FrontierRobot
-        The robot, on whose map rooms are told apart.
+        The robot, on whose map rooms are told apart; see `room_around`.
     targets : (m, 2) array
         The targets in metres.
     room_m2 : float
-        A larger part of the map, in square metres, is no room.
+        A part of the map that is larger, in square metres, or reaches farther than `SPAN_M`, is no
+        room.
 
     Returns
     -------
     (m,) array of bool
-        False for targets in doorways and at walls: these may lead out. All False if the robot is
-        in no room.
+        False for targets in doorways, which lead out. All False if the robot is in no room.
     """
     raster = robot.raster
     row, column = robot.indices_of(np.array([robot.at[:2]]))[0].tolist()
     span = math.ceil(SPAN_M / raster.cell_m)
-    top, left = max(0, row - span), max(0, column - span)
-    near = np.ascontiguousarray(raster.cells[top : row + span + 1, left : column + span + 1])
-    room = room_around(near, row - top, column - left, doorway_cells=DOORWAY_M / raster.cell_m)
+    top, left = max(0, row - span - 1), max(0, column - span - 1)
+    near = np.ascontiguousarray(raster.cells[top : row + span + 2, left : column + span + 2])
+    # Rounded: 1.4 / 0.1 is a little less than 14.
+    doorway_cells = round(DOORWAY_M / raster.cell_m, 6)
+    room = room_around(near, row - top, column - left, doorway_cells=doorway_cells)
     inside = np.zeros(len(targets), np.bool_)
     if room is None or np.count_nonzero(room.cells) * raster.cell_m**2 > room_m2:
+        return inside
+    if (np.abs(np.argwhere(room.cells) - (row - top, column - left)) > span).any():
         return inside
     rows, columns = (robot.indices_of(targets) - (top, left)).T
     height, width = near.shape

@@ -3,6 +3,7 @@
 import doctest
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy import ndimage
@@ -11,7 +12,7 @@ import multisrt.geometry.grids.rooms as module
 from multisrt.geometry.grids.occupancy import FREE, OCCUPIED, UNKNOWN
 from multisrt.geometry.grids.rooms import Room, room_around
 
-DOORWAY_CELLS = 3.0
+DOORWAY_CELLS = 6.0
 
 
 def found_room(states: np.ndarray, row: int, column: int) -> Room:
@@ -38,17 +39,28 @@ def test_a_doorway_divides_two_rooms():
     assert (other.cells == room.cells[:, ::-1]).all()
 
 
-def test_a_wide_opening_divides_nothing():
-    states = two_rooms(doorway=12)
+@pytest.mark.parametrize(("doorway", "divides"), [(5, True), (6, True), (7, False), (12, False)])
+def test_the_widest_doorway(doorway, divides):
+    states = two_rooms(doorway)
     room = found_room(states, 10, 10)
-    assert (room.cells == (states == FREE)).all()
+    assert (room.cells.sum() < (states == FREE).sum()) == divides
 
 
-def test_inner_cells_are_off_the_walls():
-    room = found_room(two_rooms(doorway=0), 10, 10)
-    # Farther than 3 cells from the walls are those from the fourth on.
-    assert (np.argwhere(room.inner).min(axis=0) == (4, 4)).all()
-    assert room.inner.sum() == 14 * 14
+def test_corners_are_in_the_room_and_doorways_are_not():
+    states = two_rooms(doorway=5)
+    room = found_room(states, 10, 10)
+    assert (room.inner[1:21, 1:21]).all()
+    assert not room.inner[:, 21:].any()
+
+
+def test_a_cell_is_in_a_doorway_if_another_surface_faces_the_nearest_one():
+    # Cell 4 of a gap of 6 between walls, and of one of 7.
+    for gap, expected in ((6, 0), (7, 1)):
+        states = np.full((30, 40), FREE, np.uint8)
+        states[10, 20 : 20 + 2] = states[10 + gap + 1, 20 : 20 + 2] = OCCUPIED
+        inner = found_room(states, 0, 0).inner
+        assert inner[14, 20:22].sum() == 2 * expected
+        assert inner[9, 20:22].all()
 
 
 def test_a_cell_that_is_not_free_is_in_no_room():
@@ -87,16 +99,18 @@ def test_free_cells_belong_to_the_part_that_is_nearest(seed, blocked):
     gaps = np.min(
         [np.hypot(*(np.indices(states.shape) - np.reshape(o, (2, 1, 1)))) for o in occupied], axis=0
     )
-    labels, count = ndimage.label(free & (gaps > DOORWAY_CELLS))
-    large = [k for k in range(1, count + 1) if (labels == k).sum() >= 2.0 * DOORWAY_CELLS**2]
+    labels, count = ndimage.label(free & (gaps > 0.5 * DOORWAY_CELLS))
+    large = [k for k in range(1, count + 1) if (labels == k).sum() >= 0.5 * DOORWAY_CELLS**2]
     steps = [steps_from(free, labels == k) for k in large]
     if not free[row, column] or not np.isfinite([s[row, column] for s in steps]).any():
         assert room_around(states, row, column, doorway_cells=DOORWAY_CELLS) is None
         return
     found = found_room(states, row, column)
-    own = next(k for k in large if (found.inner == (labels == k)).all())
+    own = next(k for k in large if found.cells[labels == k].all())
     nearest = np.min(steps, axis=0)
     here = steps[large.index(own)]
+    assert not (found.inner & ~found.cells).any()
+    assert found.inner[labels == own].all()
     assert (here[found.cells] == nearest[found.cells]).all()
     others = [s for k, s in zip(large, steps, strict=True) if k != own]
     is_nearer = here < np.min(others, axis=0, initial=np.inf)

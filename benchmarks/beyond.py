@@ -309,6 +309,29 @@ def beside_the_best(runs: pd.DataFrame, name: str, others: Sequence[str], quanti
     return float(np.exp(np.log(ratios.dropna()).mean()))
 
 
+def by_choice(runs: pd.DataFrame, names: Sequence[str], other: str, quantity: str) -> float | None:
+    """Return the mean over cells of the better of some strategies over another one.
+
+    Which one is better in a cell is found in one half of the repetitions, by the lowest median, and
+    measured in the other half, in both directions. So that it is no result of chance that it is the
+    better one. None with fewer than two repetitions.
+    """
+    alike = _timed(of_all(runs, [*names, other]), quantity)
+    halves = [part for _, part in alike.groupby(alike["seed"].rank(method="dense") % 2.0)]
+    if len(halves) < 2:
+        return None
+    medians = [
+        half.groupby([*CELL, "strategy"], sort=True)[quantity].median().unstack("strategy")
+        for half in halves
+    ]
+    logs = []
+    for chosen, measured in (medians, medians[::-1]):
+        better = chosen[list(names)].idxmin(axis=1)
+        own = [measured.at[cell, name] for cell, name in better.items()]
+        logs.append(np.log(own / measured.loc[better.index, other]).mean())
+    return float(np.exp(np.mean(logs)))
+
+
 def page(runs: pd.DataFrame) -> list[str]:
     """Return the lines of the page; the runs are of at least one strategy of each kind."""
     present = [name for name in (*OURS, *PAPERS, TURNING) if name in set(runs["strategy"])]
@@ -381,6 +404,13 @@ def page(runs: pd.DataFrame) -> list[str]:
                     f"cell, also known only afterwards, is on average "
                     f"{1.0 / beside_the_best(part, best, ours, quantity):.3f} times that of "
                     f"`{best}`.",
+                    "",
+                ]
+            chosen = by_choice(part, ours, best, quantity) if len(ours) > 1 else None
+            if chosen is not None:
+                lines += [
+                    "If which of them is better in a cell is found in one half of the repetitions "
+                    f"that all three have, and measured in the other half, it is {chosen:.3f}.",
                     "",
                 ]
         best = best_of(part, papers, TIME)
@@ -469,9 +499,15 @@ def _in_words(runs: pd.DataFrame, ours: Sequence[str], papers: Sequence[str]) ->
 
 def _repetitions(runs: pd.DataFrame) -> str:
     """Return how often the cells were repeated, such as "2 repetitions of all strategies"."""
-    of = runs.groupby("strategy")["seed"].nunique()
-    fewest = of.min()
-    often = [f"{count} of `{name}`" for name, count in of.items() if count > fewest]
+    of = runs.groupby(["strategy", "radio"])["seed"].nunique().unstack("radio")
+    fewest = int(np.nanmin(of.to_numpy()))
+    often = []
+    for name, counts in of.iterrows():
+        more = counts[counts > fewest]
+        if more.nunique() == 1 and len(more) == counts.count():
+            often.append(f"{more.iloc[0]:.0f} of `{name}`")
+        else:
+            often += [f"{c:.0f} of `{name}` with {NAMED[str(r)]} radio" for r, c in more.items()]
     repetitions = "repetition" if fewest == 1 else "repetitions"
     return ", ".join([f"{fewest} {repetitions} of all strategies", *often])
 

@@ -14,6 +14,7 @@ from benchmarks.beyond import (
     WORLDS,
     beside_the_best,
     best_of,
+    by_choice,
     compared,
     experiment,
     of_all,
@@ -130,6 +131,30 @@ def test_the_better_of_ours_in_each_cell_is_told_if_there_are_two():
         r"lowest median of `gain` and `routes` in each cell, .* (0\.\d+) times that", text
     )
     assert [float(ratio) for ratio in told] == pytest.approx([0.8] * 4, abs=0.03)
+
+
+def test_the_better_one_is_chosen_and_measured_in_different_repetitions():
+    # In each repetition another one of two equal strategies is lucky by a half.
+    runs = made({"gain": 100.0, "routes": 100.0, "utility": 100.0}, repetitions=4)
+    lucky = runs["strategy"].map({"gain": 0, "routes": 1}) == runs["seed"] % 2
+    runs.loc[lucky, "time_to_99_s"] *= 0.5
+    found = by_choice(runs, ["gain", "routes"], "utility", "time_to_99_s")
+    assert found == pytest.approx(1.0, abs=0.03)
+    one = runs[runs["seed"] == 0]
+    assert by_choice(one, ["gain", "routes"], "utility", "time_to_99_s") is None
+    # What is really better in a cell is found.
+    runs = made({"gain": 80.0, "routes": 160.0, "utility": 100.0}, repetitions=4)
+    runs.loc[(runs["strategy"] == "routes") & (runs["environment"] == "a"), "time_to_99_s"] /= 4.0
+    found = by_choice(runs, ["gain", "routes"], "utility", "time_to_99_s")
+    assert found == pytest.approx((0.4 * 0.8) ** 0.5, rel=0.03)
+
+
+def test_repetitions_of_one_radio_are_told_with_it():
+    runs = made(TIMES | {"routes": 160.0}, repetitions=3)
+    few = runs[(runs["strategy"] != "routes") | (runs["radio"] == "full") | (runs["seed"] == 0)]
+    text = "\n".join(page(few))
+    assert "1 repetition of all strategies, 3 of `gain`, 3 of `minpos`, 3 of `routes` with" in text
+    assert "`routes` with unlimited radio, 3 of `utility`." in text
 
 
 def test_parts_of_the_runs_are_told_by_strategy():

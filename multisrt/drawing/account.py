@@ -263,7 +263,7 @@ def paths_legend(
     for layer, label, style, is_there in (
         ("paths", "path", styles.edge, any(t.motions for t in traces)),
         ("isolation", "path of an isolated robot", CUT_OFF, "isolation" in there),
-        ("frontier", "open frontier", FRONTIER_CELLS, "frontier" in there),
+        ("frontier", "frontier left on the map", FRONTIER_CELLS, "frontier" in there),
     ):
         if is_there and layer not in absent:
             entries.append(LegendEntry(label=label, style=style))

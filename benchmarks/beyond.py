@@ -33,6 +33,7 @@ from multisrt.experiments.spec import (
     StartsChoice,
     StrategyChoice,
 )
+from multisrt.geometry.errors import counted
 from multisrt.presets.summary import markdown_table
 from multisrt.recording.files import atomic_write
 from multisrt.robots.naming import joined
@@ -289,10 +290,12 @@ def read(file: Path) -> pd.DataFrame:
 def best_of(runs: pd.DataFrame, names: Sequence[str], quantity: str) -> str:
     """Return the strategy with the lowest geometric mean of its median times over cells.
 
-    Of those repetitions that all of them have.
+    Of the strategies that were repeated most often, in those repetitions that all of these have.
     """
+    often = runs[runs["strategy"].isin(names)].groupby("strategy")["seed"].nunique()
+    compared = often.index[often == often.max()].tolist()
     medians = (
-        _timed(of_all(runs, names), quantity)
+        _timed(of_all(runs, compared), quantity)
         .groupby(["strategy", *CELL], sort=True)[quantity]
         .median()
     )
@@ -364,7 +367,8 @@ def page(runs: pd.DataFrame) -> list[str]:
         "- *faster in*, *slower in*: cells with a significant difference, tested one by one with "
         "Holm's correction over all cells of a row.",
         f"- Rows without *p* have fewer than {FEWEST_SEEDS} repetitions: no interval and no test.",
-        "- *(best)*: the strategy of the papers with the lowest geometric mean of its cells' "
+        "- *(best)*: of the strategies of the papers that were repeated most often, which were the "
+        "best in the first repetition, the one with the lowest geometric mean of its cells' "
         "medians, in those repetitions that all of them have.",
         "- A run that failed (not complete, or less than 99 % covered) counts with twice the "
         "longest makespan of its cell.",
@@ -392,25 +396,18 @@ def page(runs: pd.DataFrame) -> list[str]:
                 for found in [compared(part, name, other, quantity)]
             ]
             lines += [f"{words[0].upper()}{words[1:]}:", "", markdown_table(COLUMNS, rows), ""]
+            chosen = by_choice(part, ours, best, quantity) if len(ours) > 1 else None
             lines += [
                 f"Against the strategy of the papers with the lowest median in each cell, which is "
                 f"known only afterwards, the mean of `{name}` is "
                 f"{beside_the_best(part, name, papers, quantity):.3f}.\n"
                 for name in ours
             ]
-            if len(ours) > 1:
-                lines += [
-                    f"The lowest median of {' and '.join(f'`{name}`' for name in ours)} in each "
-                    f"cell, also known only afterwards, is on average "
-                    f"{1.0 / beside_the_best(part, best, ours, quantity):.3f} times that of "
-                    f"`{best}`.",
-                    "",
-                ]
-            chosen = by_choice(part, ours, best, quantity) if len(ours) > 1 else None
             if chosen is not None:
                 lines += [
-                    "If which of them is better in a cell is found in one half of the repetitions "
-                    f"that all three have, and measured in the other half, it is {chosen:.3f}.",
+                    f"If the better one of {joined([f'`{name}`' for name in ours])} is chosen for "
+                    "each cell in one half of the repetitions that both have, and measured against "
+                    f"`{best}` in the other half, the mean is {chosen:.3f}.",
                     "",
                 ]
         best = best_of(part, papers, TIME)
@@ -436,8 +433,8 @@ def page(runs: pd.DataFrame) -> list[str]:
 TRIED: Final = (
     "## What did not help",
     "",
-    "None of these made a team faster. Times are multiples of those of `gain` as it was before the "
-    "change; the pages of the strategies tell in which worlds.",
+    "None of these was shown to make a team faster. Times are multiples of those of `gain` as it "
+    "was before the change; the pages of the strategies tell in which worlds.",
     "",
     "- Knowing beforehand the area that a scan at each frontier will show: not faster "
     "([gain](../algorithms/gain.md#the-effect-of-tours-and-of-keeping-goals)). Knowing the whole "
@@ -487,14 +484,19 @@ def _in_words(runs: pd.DataFrame, ours: Sequence[str], papers: Sequence[str]) ->
     said = []
     for radio, part in runs.groupby("radio", sort=True):
         best = best_of(part, papers, TIME)
-        ratios = [(name, compared(part, name, best, TIME).ratio.value) for name in ours]
-        needs = joined([f"`{name}` needs {ratio:.2f}" for name, ratio in ratios])
+        needs = joined([_needs(name, compared(part, name, best, TIME)) for name in ours])
         said.append(
             f"With {NAMED[str(radio)]} radio {needs} of the time of `{best}`, the best strategy of "
             "the papers, to cover 99 %."
         )
     trees = "[compared with `gain`](../algorithms/multi-srt.md#results)"
     return [f"{' '.join(said)} The SRT family is {trees} on another page.", ""]
+
+
+def _needs(name: str, found: Comparison) -> str:
+    """Return the time that a strategy needs, and in how many repetitions if these are few."""
+    few = f" (in {counted(found.seeds, 'repetition')})" if found.seeds < FEWEST_SEEDS else ""
+    return f"`{name}` needs {found.ratio.value:.2f}{few}"
 
 
 def _repetitions(runs: pd.DataFrame) -> str:

@@ -312,12 +312,14 @@ def beside_the_best(runs: pd.DataFrame, name: str, others: Sequence[str], quanti
     return float(np.exp(np.log(ratios.dropna()).mean()))
 
 
-def by_choice(runs: pd.DataFrame, names: Sequence[str], other: str, quantity: str) -> float | None:
-    """Return the mean over cells of the better of some strategies over another one.
+def cross_validated_ratio(
+    runs: pd.DataFrame, names: Sequence[str], other: str, quantity: str
+) -> float | None:
+    """Return the mean ratio of the better of some strategies to another one, cross-validated.
 
-    Which one is better in a cell is found in one half of the repetitions, by the lowest median, and
-    measured in the other half, in both directions. So that it is no result of chance that it is the
-    better one. None with fewer than two repetitions.
+    Which one is better in a cell is found in every second repetition, by the lowest median, and
+    measured in the others, and vice versa, so that luck does not count. The mean is geometric, over
+    cells. None with fewer than two repetitions.
     """
     alike = _timed(of_all(runs, [*names, other]), quantity)
     halves = [part for _, part in alike.groupby(alike["seed"].rank(method="dense") % 2.0)]
@@ -367,9 +369,9 @@ def page(runs: pd.DataFrame) -> list[str]:
         "- *faster in*, *slower in*: cells with a significant difference, tested one by one with "
         "Holm's correction over all cells of a row.",
         f"- Rows without *p* have fewer than {FEWEST_SEEDS} repetitions: no interval and no test.",
-        "- *(best)*: of the strategies of the papers that were repeated most often, which were the "
-        "best in the first repetition, the one with the lowest geometric mean of its cells' "
-        "medians, in those repetitions that all of them have.",
+        "- *(best)*: the one with the lowest geometric mean of its cells' medians among the "
+        "strategies of the papers with the most repetitions; only the best of the first repetition "
+        "were repeated.",
         "- A run that failed (not complete, or less than 99 % covered) counts with twice the "
         "longest makespan of its cell.",
         "",
@@ -396,7 +398,7 @@ def page(runs: pd.DataFrame) -> list[str]:
                 for found in [compared(part, name, other, quantity)]
             ]
             lines += [f"{words[0].upper()}{words[1:]}:", "", markdown_table(COLUMNS, rows), ""]
-            chosen = by_choice(part, ours, best, quantity) if len(ours) > 1 else None
+            chosen = cross_validated_ratio(part, ours, best, quantity) if len(ours) > 1 else None
             lines += [
                 f"Against the strategy of the papers with the lowest median in each cell, which is "
                 f"known only afterwards, the mean of `{name}` is "
@@ -406,8 +408,8 @@ def page(runs: pd.DataFrame) -> list[str]:
             if chosen is not None:
                 lines += [
                     f"If the better one of {joined([f'`{name}`' for name in ours])} is chosen for "
-                    "each cell in one half of the repetitions that both have, and measured against "
-                    f"`{best}` in the other half, the mean is {chosen:.3f}.",
+                    "each cell in every second of the repetitions that all have, and measured "
+                    f"against `{best}` in the others, and vice versa, the mean is {chosen:.3f}.",
                     "",
                 ]
         best = best_of(part, papers, TIME)
@@ -433,7 +435,7 @@ def page(runs: pd.DataFrame) -> list[str]:
 TRIED: Final = (
     "## What did not help",
     "",
-    "None of these was shown to make a team faster. Times are multiples of those of `gain` as it "
+    "None of these was shown to make a team faster. Times to 99 % are multiples of those of `gain` as it "
     "was before the change; the pages of the strategies tell in which worlds.",
     "",
     "- Knowing beforehand the area that a scan at each frontier will show: not faster "

@@ -1,4 +1,4 @@
-"""Rooms on a grid: parts of its free cells that doorways divide."""
+"""Rooms on a grid: parts of its free cells that doorways separate."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from multisrt.geometry.numerics.kernel import kernel
 
 
 class Room(NamedTuple):
-    """A part of the free cells that doorways divide from the others.
+    """A part of the free cells that doorways separate from the others.
 
     Attributes
     ----------
@@ -43,13 +43,13 @@ def room_around(states: ByteArray, row: int, column: int, *, doorway_cells: floa
     Returns
     -------
     Room or None
-        None if the cell is not free, or no place wider than a doorway is reached from it.
+        None if the cell is not free, or no such part is reached from it; see Notes.
 
     Notes
     -----
     The free cells farther than ``doorway_cells / 2`` from every occupied cell fall into parts that
-    are connected across the sides of cells. Parts smaller than half a square of that width are left
-    out. Every other free cell belongs to the part from which it is reached first over free cells.
+    are connected across the sides of cells. Parts of fewer than ``doorway_cells**2 / 2`` cells are
+    left out. Every other free cell belongs to the part from which it is reached first over free cells.
     One of these is in a doorway if the line from the occupied cell nearest to it, through the cell,
     meets another occupied cell within the width of a doorway and one cell more, as there is half a
     cell on either side.

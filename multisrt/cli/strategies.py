@@ -54,12 +54,12 @@ def strategies(words: tuple[str, ...]) -> None:
         click.echo(f"next: multisrt strategies {EXAMPLE}  (the options of one)")
         return
     from multisrt.experiments.schema import documented_attributes
-    from multisrt.robots.strategy import own_first
+    from multisrt.robots.strategy import fields_own_first
     from multisrt.validation_errors import allowed_words, written
 
     chosen = named_strategy(name)
     click.echo(f"{chosen.name}: {chosen.summary}")
-    if not own_first(chosen.options):
+    if not fields_own_first(chosen.options):
         click.echo("it has no options")
         return
     listed = table("option", "default", "description")
@@ -67,7 +67,7 @@ def strategies(words: tuple[str, ...]) -> None:
     for kind in reversed(chosen.options.__mro__):
         for option, meaning in documented_attributes(kind.__doc__ or "").items():
             meanings[option] = _whole(meaning, meanings.get(option, ""))
-    for field in own_first(chosen.options):
+    for field in fields_own_first(chosen.options):
         meaning = meanings.get(field.name, "")
         values = allowed_words(field.type)
         if set(values) - set(PLAIN):

@@ -131,7 +131,7 @@ class _BidStory(ChoiceStory[GoalChosen]):
         choice = self.choice
         yield RULES.get(choice.rule, choice.rule)
         if self.routes_below_m2 and choice.rule == "routes":
-            yield f"as no frontier has {self.routes_below_m2:g} m2 of unknown area in sight"
+            yield f"as no frontier that it can go to has {self.routes_below_m2:g} m2 in sight"
         if choice.rule == "closest" and choice.frontiers:
             yield "only the path to the nearest frontier is computed"
         yield from self._tables()

@@ -242,7 +242,7 @@ class Strategy:
         ...
         multisrt.geometry.errors.InvalidInputError: srt-star has no option 'cone' ...
         """
-        known = {field.name: field for field in own_first(self.options)}
+        known = {field.name: field for field in fields_own_first(self.options)}
         for key in options:
             if key not in known:
                 raise InvalidInputError(
@@ -274,13 +274,13 @@ class Strategy:
         )
 
 
-def own_first(options: type[msgspec.Struct]) -> list[msgspec.structs.FieldInfo]:
-    """Return the fields of options: those that a class adds or changes before what it inherits.
+def fields_own_first(options: type[msgspec.Struct]) -> list[msgspec.structs.FieldInfo]:
+    """Return the fields of a class of options: its own, new or changed, before inherited ones.
 
     Examples
     --------
     >>> from multisrt.robots.frontier.options import GainOptions
-    >>> [field.name for field in own_first(GainOptions)][:2]
+    >>> [field.name for field in fields_own_first(GainOptions)][:2]
     ['power', 'return_area_m2']
     """
     depths: dict[str, int] = {}

@@ -68,7 +68,7 @@ def gain_on_tours(
     tour_weight : float
         Weight of the length of the tour against the cost of its first target.
     preferred : (m,) array of bool, optional
-        Targets before all others: if the robot takes some of them, its tour is one of these.
+        Targets before all others: if the robot takes some of them, its tour visits these alone.
 
     Returns
     -------
@@ -80,7 +80,7 @@ def gain_on_tours(
     ------
     InvalidInputError
         If a table has the wrong shape, a negative entry or NaN, `path_lengths` has an infinite
-        one, or a parameter is not positive.
+        one, `preferred` is no array of bool, or a parameter is out of its range.
 
     Notes
     -----

@@ -14,8 +14,8 @@ from benchmarks.beyond import (
     WORLDS,
     beside_the_best,
     best_of,
-    by_choice,
     compared,
+    cross_validated_ratio,
     experiment,
     of_all,
     page,
@@ -150,14 +150,14 @@ def test_the_better_one_is_chosen_and_measured_in_different_repetitions():
     runs = made({"gain": 100.0, "routes": 100.0, "utility": 100.0}, repetitions=4)
     lucky = runs["strategy"].map({"gain": 0, "routes": 1}) == runs["seed"] % 2
     runs.loc[lucky, "time_to_99_s"] *= 0.5
-    found = by_choice(runs, ["gain", "routes"], "utility", "time_to_99_s")
+    found = cross_validated_ratio(runs, ["gain", "routes"], "utility", "time_to_99_s")
     assert found == pytest.approx(1.0, abs=0.03)
     one = runs[runs["seed"] == 0]
-    assert by_choice(one, ["gain", "routes"], "utility", "time_to_99_s") is None
+    assert cross_validated_ratio(one, ["gain", "routes"], "utility", "time_to_99_s") is None
     # What is really better in a cell is found.
     runs = made({"gain": 80.0, "routes": 160.0, "utility": 100.0}, repetitions=4)
     runs.loc[(runs["strategy"] == "routes") & (runs["environment"] == "a"), "time_to_99_s"] /= 4.0
-    found = by_choice(runs, ["gain", "routes"], "utility", "time_to_99_s")
+    found = cross_validated_ratio(runs, ["gain", "routes"], "utility", "time_to_99_s")
     assert found == pytest.approx((0.4 * 0.8) ** 0.5, rel=0.03)
 
 

@@ -30,7 +30,7 @@ from multisrt.robots.frontier.options import GainOptions
 from multisrt.robots.frontier.own_room import are_in_own_room
 from multisrt.robots.frontier.path_costs import PathCosts, lengths_among
 from multisrt.robots.frontier.robot import FrontierRobot
-from multisrt.robots.frontier.routes import first_stop
+from multisrt.robots.frontier.routes import choose_first_stop
 from multisrt.robots.frontier.utility import euclidean_distances
 from multisrt.robots.frontier.wavefront_costs import WavefrontCosts
 from multisrt.robots.frontier.wavefront_rules import Choice, settle_on
@@ -47,7 +47,7 @@ def choose_gain(robot: FrontierRobot, because: str) -> Choice:
         return (yield from settle_on(robot, costs.table(), None, "gain", because))
     areas = areas_beyond(robot, costs.targets)
     if areas[costs.is_choosable].max() < options.routes_below_m2:
-        return (yield from first_stop(robot, because, costs, SEARCH_M_PER_M2))
+        return (yield from choose_first_stop(robot, because, costs, SEARCH_M_PER_M2))
     path_costs = PathCosts(robot, costs)
     bounds = path_costs.bounds()
     # Others with a path to one of these have paths to all of them.

@@ -260,19 +260,19 @@ class GainOptions(PathCostOptions, frozen=True, kw_only=True, forbid_unknown_fie
         added to the area beyond each. If every message reaches every robot, it is divided by the
         number of robots that the choice takes into account.
     overlap_ranges : float
-        Distance from which a frontier that is taken leaves the area of another as it is, in ranges
-        of the range finder. Areas seen from two places overlap up to 2.
+        Distance from which a frontier that is taken no longer reduces the area of another, in
+        ranges of the range finder. Areas seen from two places overlap up to 2.
     tour_weight : float
         Weight of the length of the tour over the frontiers that are left, against the way to the
         first of them. With 0 robots go to the frontier of the highest value that others leave
         them.
     room_m2 : float
-        A robot in a room goes to the frontiers that it takes there before all others. A room is
-        a part of its map that doorways of at most 1.4 m divide from the rest, of at most this known
-        area in square metres, such as 30; with 0 there are none.
+        Maximum known area of a room in square metres, such as 30; with 0 there are no rooms. A
+        robot in a room goes to the frontiers that it takes there before all others. A room is a
+        part of its map that doorways of at most 1.4 m separate from the rest.
     routes_below_m2 : float
-        Robots choose as by `routes` while no frontier has this unknown area in sight, in square
-        metres; with 0 they never do.
+        Area in square metres: robots plan routes as in `routes` while no frontier that they can go
+        to has as much unknown area in sight; with 0 they never do.
     """
 
     power: float = 4.0

@@ -1,4 +1,4 @@
-"""Map sense: the room that a robot is in, on its own map."""
+"""The room that a robot is in, on its own map."""
 
 from __future__ import annotations
 
@@ -26,15 +26,15 @@ def are_in_own_room(robot: FrontierRobot, targets: FloatArray, room_m2: float) -
     robot : FrontierRobot
         The robot, on whose map rooms are told apart; see `room_around`.
     targets : (m, 2) array
-        The targets in metres.
+        The targets, x and y in metres in the frame of the map.
     room_m2 : float
-        A part of the map that is larger, in square metres, or reaches farther than `SPAN_M`, is no
-        room.
+        Maximum known area of a room in square metres. A larger one does not count, nor does one
+        that reaches farther than `SPAN_M`.
 
     Returns
     -------
     (m,) array of bool
-        False for targets in doorways, which lead out. All False if the robot is in no room.
+        False for targets in doorways, which lead out. All False if the robot is in no such room.
     """
     raster = robot.raster
     row, column = robot.indices_of(np.array([robot.at[:2]]))[0].tolist()

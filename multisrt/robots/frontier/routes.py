@@ -36,13 +36,30 @@ def choose_routes(robot: FrontierRobot, because: str) -> Choice:
     costs = WavefrontCosts(robot, every=True)
     if not costs.is_choosable.any():
         return (yield from settle_on(robot, costs.table(), None, "routes", because))
-    return (yield from first_stop(robot, because, costs, options.search_m_per_m2))
+    return (yield from choose_first_stop(robot, because, costs, options.search_m_per_m2))
 
 
-def first_stop(
+def choose_first_stop(
     robot: FrontierRobot, because: str, costs: WavefrontCosts, search_m_per_m2: float
 ) -> Choice:
-    """Choose the first stop of the robot's own route, where it can choose at all."""
+    """Choose the first stop of the robot's own route, or its nearest frontier if that is empty.
+
+    Parameters
+    ----------
+    robot : FrontierRobot
+        The robot that decides.
+    because : str
+        Reason for choosing, as in `GoalChosen`.
+    costs : WavefrontCosts
+        Path lengths; some frontier must be choosable.
+    search_m_per_m2 : float
+        Path length in metres that a robot needs to explore a square metre beyond a frontier.
+
+    Returns
+    -------
+    Goal or None
+        As of `settle_on`.
+    """
     path_costs = PathCosts(robot, costs).all_costs()
     near = _nearest(costs)
     path_costs = path_costs[:, near]

@@ -150,7 +150,7 @@ def test_below_an_area_in_sight_robots_choose_by_routes(run):
     assert rules[0] == "gain"
     choice = next(e for e in goals(later) if e.rule == "routes")
     text = explain(later.recording, choice.robot, choice.time_s)
-    assert "as no frontier has 29 m2 of unknown area in sight" in text
+    assert "as no frontier that it can go to has 29 m2 in sight" in text
 
 
 def test_a_robot_finishes_its_room_first(monkeypatch):

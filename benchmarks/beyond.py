@@ -435,8 +435,8 @@ def page(runs: pd.DataFrame) -> list[str]:
 TRIED: Final = (
     "## What did not help",
     "",
-    "None of these was shown to make a team faster. Times to 99 % are multiples of those of `gain` as it "
-    "was before the change; the pages of the strategies tell in which worlds.",
+    "None of these was shown to make a team faster. Times to 99 % are multiples of those of `gain` "
+    "as it was before the change; the pages of the strategies tell in which worlds.",
     "",
     "- Knowing beforehand the area that a scan at each frontier will show: not faster "
     "([gain](../algorithms/gain.md#the-effect-of-tours-and-of-keeping-goals)). Knowing the whole "

@@ -49,10 +49,10 @@ def room_around(states: ByteArray, row: int, column: int, *, doorway_cells: floa
     -----
     The free cells farther than ``doorway_cells / 2`` from every occupied cell fall into parts that
     are connected across the sides of cells. Parts of fewer than ``doorway_cells**2 / 2`` cells are
-    left out. Every other free cell belongs to the part from which it is reached first over free cells.
-    One of these is in a doorway if the line from the occupied cell nearest to it, through the cell,
-    meets another occupied cell within the width of a doorway and one cell more, as there is half a
-    cell on either side.
+    left out. Every other free cell belongs to the part from which it is reached first over free
+    cells. One of these is in a doorway if the line from the occupied cell nearest to it, through
+    the cell, meets another occupied cell within the width of a doorway and one cell more, as there
+    is half a cell on either side.
 
     Examples
     --------

@@ -36,7 +36,8 @@ def test_robustness_has_a_hundred_runs_of_every_strategy():
     planned = runs(experiment)
     built_in = [known for known in registry.strategies() if registry.is_built_in(known.name)]
     names = [strategy.name for strategy in built_in if not strategy.sees_truth]
-    assert Counter(run.spec.strategy for run in planned) == dict.fromkeys(names, 100)
+    labels = [*names, "gain, rooms"]
+    assert Counter(run.condition.strategy for run in planned) == dict.fromkeys(labels, 100)
     assert all(run.spec.faults for run in planned)
 
 

@@ -442,7 +442,7 @@ TRIED: Final = (
     "([gain](../algorithms/gain.md#the-effect-of-tours-and-of-keeping-goals)). Knowing the whole "
     "unknown area that is nearest to each frontier: 0.99, with one robot.",
     "- Rooms, told apart on the robot's own map, that are finished before they are left: 1.005 "
-    "± 0.006 ([gain](../algorithms/gain.md#rooms-and-other-rules-of-order)).",
+    "± 0.004 ([gain](../algorithms/gain.md#rooms-and-other-rules-of-order)).",
     "- `routes` as soon as only small areas are in sight: 1.01.",
     "- More frequent scans or choices: 0.99 to 1.01 of the time, with up to 2.5 times the "
     "computing time.",

@@ -293,9 +293,9 @@ def best_of(runs: pd.DataFrame, names: Sequence[str], quantity: str) -> str:
     Of the strategies that were repeated most often, in those repetitions that all of these have.
     """
     often = runs[runs["strategy"].isin(names)].groupby("strategy")["seed"].nunique()
-    compared = often.index[often == often.max()].tolist()
+    repeated = often.index[often == often.max()].tolist()
     medians = (
-        _timed(of_all(runs, compared), quantity)
+        _timed(of_all(runs, repeated), quantity)
         .groupby(["strategy", *CELL], sort=True)[quantity]
         .median()
     )
@@ -319,21 +319,20 @@ def cross_validated_ratio(
 
     Which one is better in a cell is found in every second repetition, by the lowest median, and
     measured in the others, and vice versa, so that luck does not count. The mean is geometric, over
-    cells. None with fewer than two repetitions.
+    cells with at least two repetitions; None if there are none.
     """
     alike = _timed(of_all(runs, [*names, other]), quantity)
-    halves = [part for _, part in alike.groupby(alike["seed"].rank(method="dense") % 2.0)]
+    half = alike.groupby(list(CELL))["seed"].rank(method="dense").mod(2.0).rename("half")
+    medians = alike.groupby([half, *CELL, "strategy"])[quantity].median().unstack("strategy")
+    halves = [part.droplevel("half") for _, part in medians.groupby("half")]
     if len(halves) < 2:
         return None
-    medians = [
-        half.groupby([*CELL, "strategy"], sort=True)[quantity].median().unstack("strategy")
-        for half in halves
-    ]
+    cells = halves[0].index.intersection(halves[1].index)
     logs = []
-    for chosen, measured in (medians, medians[::-1]):
-        better = chosen[list(names)].idxmin(axis=1)
+    for chosen, measured in (halves, halves[::-1]):
+        better = chosen.loc[cells, list(names)].idxmin(axis=1)
         own = [measured.at[cell, name] for cell, name in better.items()]
-        logs.append(np.log(own / measured.loc[better.index, other]).mean())
+        logs.append(np.log(own / measured.loc[cells, other]).mean())
     return float(np.exp(np.mean(logs)))
 
 
@@ -398,13 +397,13 @@ def page(runs: pd.DataFrame) -> list[str]:
                 for found in [compared(part, name, other, quantity)]
             ]
             lines += [f"{words[0].upper()}{words[1:]}:", "", markdown_table(COLUMNS, rows), ""]
-            chosen = cross_validated_ratio(part, ours, best, quantity) if len(ours) > 1 else None
             lines += [
                 f"Against the strategy of the papers with the lowest median in each cell, which is "
                 f"known only afterwards, the mean of `{name}` is "
                 f"{beside_the_best(part, name, papers, quantity):.3f}.\n"
                 for name in ours
             ]
+            chosen = cross_validated_ratio(part, ours, best, quantity) if len(ours) > 1 else None
             if chosen is not None:
                 lines += [
                     f"If the better one of {joined([f'`{name}`' for name in ours])} is chosen for "

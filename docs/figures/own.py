@@ -109,14 +109,13 @@ def by_gain() -> str:
 
 
 def rooms() -> str:
-    """Draw the parts of the map that doorways divide."""
-    sketch = ground("GAIN: parts of a robot's map that doorways divide; small ones are rooms")
+    """Draw the parts of the map that doorways separate."""
+    sketch = ground("GAIN: parts of a robot's map that doorways separate; small ones are rooms")
     raster = scene().raster
-    doorway_cells = round(DOORWAY_M / CELL_M, 6)
     left, number = raster.cells == FREE, 0
     while left.any():
         row, column = np.argwhere(left)[0].tolist()
-        room = room_around(raster.cells, row, column, doorway_cells=doorway_cells)
+        room = room_around(raster.cells, row, column, doorway_cells=DOORWAY_M / CELL_M)
         left[row, column] = False
         if room is not None:
             left &= ~room.cells

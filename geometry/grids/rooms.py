@@ -67,15 +67,14 @@ def room_around(states: ByteArray, row: int, column: int, *, doorway_cells: floa
     free, is_clear = states == FREE, states != OCCUPIED
     if not free[row, column]:
         return None
-    if is_clear.all():  # there is no distance to nothing
-        parts, is_doorway = free.astype(np.int32), np.zeros_like(free)
-    else:
-        gaps, nearest = ndimage.distance_transform_edt(is_clear, return_indices=True)
-        is_wide = gaps > 0.5 * doorway_cells
-        parts, count = ndimage.label(free & is_wide)
-        is_small = np.bincount(parts.ravel(), minlength=count + 1) < 0.5 * doorway_cells**2
-        parts = np.where(is_small[parts], 0, parts).astype(np.int32)
-        is_doorway = _doorways(is_clear, free & ~is_wide, nearest, doorway_cells + 1.0)
+    # A quotient such as 1.4 / 0.1 is a little less than 14.
+    doorway_cells = round(doorway_cells, 6)
+    gaps, nearest = ndimage.distance_transform_edt(is_clear, return_indices=True)
+    is_wide = (gaps > 0.5 * doorway_cells) | is_clear.all()  # there is no distance to nothing
+    labels, count = ndimage.label(free & is_wide)
+    is_small = np.bincount(labels.ravel(), minlength=count + 1) < 0.5 * doorway_cells**2
+    parts: Int32Array = np.where(is_small[labels], 0, labels).astype(np.int32)
+    is_doorway = _doorways(is_clear, free & ~is_wide, nearest, doorway_cells + 1.0)
     whole = _spread(free, parts)
     own = whole[row, column]
     return Room(whole == own, (whole == own) & ~is_doorway) if own else None

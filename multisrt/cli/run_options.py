@@ -151,16 +151,7 @@ def options_of(texts: Iterable[str]) -> dict[str, Any]:
     click.BadParameter
         If a text is not KEY=VALUE, or a key is given twice.
     """
-    given: dict[str, Any] = {}
-    for text in texts:
-        key, value = _key_and_value(text, "--option")
-        if key in given:
-            raise click.BadParameter(
-                f"{key} is given twice, as {given[key]} and {value}; give it once",
-                param_hint="--option",
-            )
-        given[key] = value
-    return given
+    return dict(_by_key(texts, "--option"))
 
 
 def parameters_of(texts: Iterable[str]) -> dict[str, Any]:
@@ -169,14 +160,14 @@ def parameters_of(texts: Iterable[str]) -> dict[str, Any]:
     Raises
     ------
     click.BadParameter
-        If a text is not NAME=VALUE.
+        If a text is not NAME=VALUE, or a name is given twice.
 
     Examples
     --------
     >>> parameters_of(["cells=20", "loops=0.5", "furnished=false"])
     {'cells': 20, 'loops': 0.5, 'furnished': False}
     """
-    return {name: _scalar(text) for name, text in (_key_and_value(text, "--set") for text in texts)}
+    return {name: _scalar(text) for name, text in _by_key(texts, "--set").items()}
 
 
 def start_of(text: str, option: str) -> tuple[float, ...]:
@@ -362,6 +353,19 @@ def _base(text: str) -> BaseSpec:
     except ValueError:
         raise click.BadParameter(f"{text!r} is not X,Y", param_hint="--base") from None
     return BaseSpec(x=x, y=y)
+
+
+def _by_key(texts: Iterable[str], option: str) -> dict[str, str]:
+    given: dict[str, str] = {}
+    for text in texts:
+        key, value = _key_and_value(text, option)
+        if key in given:
+            raise click.BadParameter(
+                f"{key} is given twice, as {given[key]} and {value}; give it once",
+                param_hint=option,
+            )
+        given[key] = value
+    return given
 
 
 def _key_and_value(text: str, option: str) -> tuple[str, str]:

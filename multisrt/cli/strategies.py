@@ -59,7 +59,8 @@ def strategies(words: tuple[str, ...]) -> None:
 
     chosen = named_strategy(name)
     click.echo(f"{chosen.name}: {chosen.summary}")
-    if not fields_own_first(chosen.options):
+    fields = fields_own_first(chosen.options)
+    if not fields:
         click.echo("it has no options")
         return
     listed = table("option", "default", "description")
@@ -67,7 +68,7 @@ def strategies(words: tuple[str, ...]) -> None:
     for kind in reversed(chosen.options.__mro__):
         for option, meaning in documented_attributes(kind.__doc__ or "").items():
             meanings[option] = _whole(meaning, meanings.get(option, ""))
-    for field in fields_own_first(chosen.options):
+    for field in fields:
         meaning = meanings.get(field.name, "")
         values = allowed_words(field.type)
         if set(values) - set(PLAIN):

@@ -89,11 +89,6 @@ class _BidStory(ChoiceStory[GoalChosen]):
 
     happened = "it last chose a goal"
 
-    @property
-    def routes_below_m2(self) -> float:
-        """Area in sight below which robots choose by routes, where that is an option."""
-        return float(self.whole.spec.options.get("routes_below_m2", 0.0))
-
     def sections(self) -> Iterator[tuple[str, Iterator[str]]]:
         yield "Where it stood", self.standing()
         yield "What it knew", self.knowledge()
@@ -130,8 +125,9 @@ class _BidStory(ChoiceStory[GoalChosen]):
     def rule(self) -> Iterator[str]:
         choice = self.choice
         yield RULES.get(choice.rule, choice.rule)
-        if self.routes_below_m2 and choice.rule == "routes":
-            yield f"as no frontier that it can go to has {self.routes_below_m2:g} m2 in sight"
+        below_m2 = self.whole.spec.options.get("routes_below_m2")
+        if below_m2 and choice.rule == "routes":
+            yield f"as no frontier that it can go to has {below_m2:g} m2 in sight"
         if choice.rule == "closest" and choice.frontiers:
             yield "only the path to the nearest frontier is computed"
         yield from self._tables()

@@ -154,6 +154,12 @@ def test_the_better_one_is_chosen_and_measured_in_different_repetitions():
     assert found == pytest.approx(1.0, abs=0.03)
     one = runs[runs["seed"] == 0]
     assert cross_validated_ratio(one, ["gain", "routes"], "utility", "time_to_99_s") is None
+    # Cells without a second repetition are left out.
+    part = runs[(runs["environment"] == "a") | (runs["seed"] == 0)]
+    alone = runs[runs["environment"] == "a"]
+    assert cross_validated_ratio(
+        part, ["gain", "routes"], "utility", "time_to_99_s"
+    ) == cross_validated_ratio(alone, ["gain", "routes"], "utility", "time_to_99_s")
     # What is really better in a cell is found.
     runs = made({"gain": 80.0, "routes": 160.0, "utility": 100.0}, repetitions=4)
     runs.loc[(runs["strategy"] == "routes") & (runs["environment"] == "a"), "time_to_99_s"] /= 4.0

@@ -41,13 +41,13 @@ def are_in_own_room(robot: FrontierRobot, targets: FloatArray, room_m2: float) -
     span = math.ceil(SPAN_M / raster.cell_m)
     top, left = max(0, row - span - 1), max(0, column - span - 1)
     near = np.ascontiguousarray(raster.cells[top : row + span + 2, left : column + span + 2])
-    # Rounded: 1.4 / 0.1 is a little less than 14.
-    doorway_cells = round(DOORWAY_M / raster.cell_m, 6)
-    room = room_around(near, row - top, column - left, doorway_cells=doorway_cells)
+    at = row - top, column - left
+    room = room_around(near, *at, doorway_cells=DOORWAY_M / raster.cell_m)
     inside = np.zeros(len(targets), np.bool_)
-    if room is None or np.count_nonzero(room.cells) * raster.cell_m**2 > room_m2:
+    if room is None:
         return inside
-    if (np.abs(np.argwhere(room.cells) - (row - top, column - left)) > span).any():
+    steps = np.abs(np.argwhere(room.cells) - at)
+    if len(steps) * raster.cell_m**2 > room_m2 or steps.max() > span:
         return inside
     rows, columns = (robot.indices_of(targets) - (top, left)).T
     height, width = near.shape

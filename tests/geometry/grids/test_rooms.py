@@ -80,6 +80,12 @@ def test_from_narrow_places_alone_no_room_is_reached():
     assert room_around(alcove, 4, 4, doorway_cells=DOORWAY_CELLS) is None
 
 
+def test_parts_without_a_wall_are_connected():
+    states = np.full((9, 20), FREE, np.uint8)
+    states[:, 10] = UNKNOWN
+    assert not found_room(states, 4, 4).cells[:, 10:].any()
+
+
 def test_without_a_wall_all_is_one_room():
     states = np.full((9, 9), FREE, np.uint8)
     room = found_room(states, 0, 0)

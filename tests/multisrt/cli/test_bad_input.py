@@ -100,6 +100,10 @@ def bad_worlds(folder: Path) -> None:
             ["room.wkt", "--option", "cones=8", "--option", "cones=9"],
             "--option: cones is given twice, as 8 and 9; give it once",
         ),
+        (
+            ["office", "--set", "cells=8", "--set", "cells=9"],
+            "--set: cells is given twice, as 8 and 9; give it once",
+        ),
         (["room.wkt", "--option", "cones", "8"], "too many words: 8; write X,Y and KEY=VALUE"),
         (["room.wkt", "--drive", "dubins", "--turning-radius", "0"], "--turning-radius"),
         (["room.wkt", "--robots", "0"], "at least one robot"),

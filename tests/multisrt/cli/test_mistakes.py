@@ -27,7 +27,10 @@ from tests.multisrt.cli.commands import everything
         (["explore", "office", "--drive", "dubin"], "dubins (did you mean 'dubins'?)"),
         (["explore", "office", "--robots", "four"], "--robots: 'four' is not a whole number"),
         (["explore", "office", "--range", "far"], "--range: 'far' is not a number"),
-        (["explore", "office", "--start", "2.5", "4"], "too many words: 4; write X,Y and KEY"),
+        (
+            ["explore", "office", "--start", "2.5", "4"],
+            "too many words: 4; write X,Y and KEY=VALUE without a space",
+        ),
         (["explore", "office", "--robot", "rnage=6"], "(did you mean 'range'?)"),
         (["explore", "run/spec.toml"], "did you mean --spec run/spec.toml?"),
         (["explore", "office", "--force"], "--force replaces the run in --out DIR"),

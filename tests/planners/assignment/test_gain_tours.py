@@ -102,7 +102,10 @@ def test_preferred_targets_that_others_take_are_left_to_them():
         ({"areas": [1.0]}, "areas has the shape"),
         ({"tour_weight": 0.0}, "tour_weight is 0.0; it must be positive"),
         ({"parameters": ValueParameters(0.0)}, "range_m is 0.0"),
-        ({"parameters": ValueParameters(4.0, return_area_m2=-1.0)}, "return_area_m2 is -1.0; it"),
+        (
+            {"parameters": ValueParameters(4.0, return_area_m2=-1.0)},
+            "return_area_m2 is -1.0; it must be 0 or more",
+        ),
         ({"preferred": np.array([True])}, "preferred is bool of shape"),
         ({"preferred": np.array([0, 1])}, "preferred is int64 of shape"),
     ],
